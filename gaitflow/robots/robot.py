@@ -1,0 +1,80 @@
+"""A robot as the paper sees it (section III.A): one rigid body, massless legs, a box for each foot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from gaitflow.config import Config, read_yaml
+
+Positive = Annotated[float, Field(gt=0)]
+
+
+class Leg(Config):
+    """One leg: its letter in gait diagrams and its default foot position in the base frame [m]."""
+
+    name: Annotated[str, Field(pattern=r"^[A-Z]{1,3}$")]
+    default_foot: tuple[float, ...]
+
+
+class Robot(Config):
+    """Single-rigid-body parameters, SI units, base frame at the centre of mass (x forward, z up).
+
+    In the plane (`dimension: 2`) vectors are (x, z), the inertia is the one pitch moment [kg m^2] and
+    pitch is positive nose up. In space vectors are (x, y, z) and the inertia is 3 rows of 3.
+    """
+
+    name: Annotated[str, Field(pattern=r"^[a-z0-9_]+$")]
+    dimension: Literal[2, 3]
+    mass: Positive
+    inertia: tuple[tuple[float, ...], ...]
+    legs: Annotated[tuple[Leg, ...], Field(min_length=1, max_length=8)]
+    box: tuple[Positive, ...]  # half lengths b of the kinematic box, eq. (5) [m]
+    max_force: Positive  # normal force of one foot [N]
+    max_foot_speed: Positive  # along each axis [m/s]
+    max_tilt: Annotated[float, Field(gt=0, lt=1.5)]  # along each angle [rad]
+    mirror: tuple[tuple[str, str], ...] = ()  # left-right pairs of legs that swap in a mirror image
+    source: str = ""  # where the numbers come from
+
+    @model_validator(mode="after")
+    def _shapes_agree(self) -> Robot:
+        d = self.dimension
+        rows = 1 if d == 2 else 3
+        if [len(row) for row in self.inertia] != [rows] * rows:
+            raise ValueError(f"inertia must be {rows} row(s) of {rows} number(s) when dimension is {d}")
+        inertia = np.array(self.inertia)
+        if not np.allclose(inertia, inertia.T) or np.linalg.eigvalsh(inertia).min() <= 0:
+            raise ValueError("inertia must be symmetric and positive definite [kg m^2]")
+        if len(self.box) != d:
+            raise ValueError(f"box must have {d} half lengths when dimension is {d}")
+        for leg in self.legs:
+            if len(leg.default_foot) != d:
+                raise ValueError(f"legs.{leg.name}.default_foot must have {d} coordinates")
+            if leg.default_foot[-1] + self.box[-1] >= 0:
+                raise ValueError(f"legs.{leg.name}: the box must end below the base (default z + box z < 0)")
+        names = [leg.name for leg in self.legs]
+        if len(set(names)) != len(names):
+            raise ValueError(f"leg names must differ, found {names}")
+        for name in {name for pair in self.mirror for name in pair}:
+            if name not in names:
+                raise ValueError(f"mirror names the leg {name!r}; the legs are {names}")
+        return self
+
+    @property
+    def leg_names(self) -> tuple[str, ...]:
+        """Leg letters in the order of every legs axis."""
+        return tuple(leg.name for leg in self.legs)
+
+    @property
+    def mirror_permutation(self) -> tuple[int, ...]:
+        """For each leg the index of the leg that takes its place in the mirror image."""
+        swap = {a: b for a, b in self.mirror} | {b: a for a, b in self.mirror}
+        return tuple(self.leg_names.index(swap.get(name, name)) for name in self.leg_names)
+
+
+def load_robot(path: Path) -> Robot:
+    """Read a robots YAML. Raises ConfigError that names the file, field, value and what is allowed."""
+    return Robot.from_data(read_yaml(path), str(path))

@@ -1,0 +1,64 @@
+"""What one solve gives: a trajectory with its cost and our own verdict, or why there is none."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+# solved: our check found it feasible. infeasible: no start led to a feasible point. failed: limit, exception or
+# crash of the solver. screened: a necessary condition rules the pattern out, nothing was solved.
+Status = Literal["solved", "infeasible", "failed", "screened"]
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A motion plan pi(t), eq. (1), on K+1 knots; SI units, terrain frame, ground at z = 0.
+
+    times [K+1] s; base [K+1, nb]: position d, angles a, velocity d, angular velocity a, so nb = 6 in the plane and
+    12 in space; feet [K+1, legs, d] m; forces [K, legs, d] N; foot_velocities [K, legs, d] m/s;
+    durations [phases] s. Controls k act from knot k to k+1.
+    """
+
+    times: Array
+    base: Array
+    feet: Array
+    forces: Array
+    foot_velocities: Array
+    durations: Array
+
+
+@dataclass(frozen=True)
+class Multipliers:
+    """Lagrange multipliers of the scaled fixed-gait problem: bounds [nw] and rows [ng], CasADi's signs."""
+
+    bounds: Array
+    rows: Array
+
+
+@dataclass(frozen=True)
+class Solution:
+    """One row of the dataset."""
+
+    speed: float  # m/s
+    cycle_duration: float  # s
+    split: Literal["grid", "held_out"]
+    pattern: str  # as solved, legs' rows of all phases joined by "/": "0110/1100"
+    gait: str  # canonical: equal neighbours merged, rotated, mirrored
+    strategy: str
+    start: str  # where the kept solve began: "neighbour", "nominal", "random-3", ...
+    seed: int
+    status: Status
+    solver_status: str
+    cost: float  # unscaled, NaN when there is no trajectory
+    violation: float  # worst scaled constraint violation found by gaitflow.check, NaN without trajectory
+    iterations: int  # over all starts of this row
+    solves: int  # solver calls of this row
+    wall_s: float
+    cpu_s: float
+    trajectory: Trajectory | None = None
+    multipliers: Multipliers | None = None
