@@ -63,9 +63,16 @@ class Pattern:
         return Pattern(tuple(row[cut:] + row[:cut] for row in self.rows))
 
     def mirrored(self, permutation: Sequence[int]) -> Pattern:
-        """The pattern whose leg i does what leg permutation[i] does here. Raises ValueError on a non-permutation."""
-        if sorted(permutation) != list(range(self.legs)):
-            raise ValueError(f"mirror {tuple(permutation)} must name each of the legs 0 to {self.legs - 1} once")
+        """The pattern whose leg i does what leg permutation[i] does here.
+
+        Raises ValueError unless mirroring twice gives every leg back.
+        """
+        legs = list(range(self.legs))
+        if sorted(permutation) != legs or [permutation[partner] for partner in permutation] != legs:
+            raise ValueError(
+                f"mirror {tuple(permutation)}: name the partner of each of the legs 0 to {self.legs - 1}, "
+                "in pairs that swap, a leg that stays being its own partner"
+            )
         return Pattern(tuple(self.rows[leg] for leg in permutation))
 
     def merged(self) -> Pattern:
@@ -105,6 +112,8 @@ def all_patterns(
 
     Raises ValueError when there are more than MAX_ENUMERATED to look at: 2^(legs * phases) without `stances_per_leg`.
     """
+    if legs < 1 or phases < 1:
+        raise ValueError(f"{legs} legs in {phases} phases have no pattern: take at least 1 of each")
     too_many = f"{legs} legs in {phases} phases have more than {MAX_ENUMERATED} patterns: take fewer phases or 1 stance"
     if phases > MAX_ENUMERATED.bit_length() - 1:
         raise ValueError(too_many)
