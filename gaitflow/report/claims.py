@@ -1,0 +1,156 @@
+"""Every statement of section IV.A on Fig. 4a-c, measured on labelled task grids by a rule fixed beforehand.
+
+The rules are a literal reading of the paper's sentences, written before this package computed a map.
+
+- Only grid tasks count. A task counts for the gait that costs least there; the share that includes ties within the
+  tolerance is reported beside it, and decides nothing.
+- A share of tasks holds from 80 % on, in part from 40 % on, and otherwise does not hold.
+- A statement that joins several conditions holds when all of them are met, in part when 40 % of them are.
+- A small region covers at most 10 % of the tasks. Two maps differ sufficiently when 20 % of the tasks change their
+  gait, in part when 10 % do.
+- Where the paper gives no numbers, low and medium speeds are the lower and middle third of the grid's range, and low
+  cycle durations the lower third. Regions touch along an edge of the grid, not at a corner.
+- "Pronking" is gait d of Fig. 5 alone; gallop-pronk, which the text does not mention, is counted apart.
+- A statement about a gait that never appears does not hold; one whose scenario or window is missing is not measured.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import pandas as pd
+
+from gaitflow.report import measures
+from gaitflow.report.measures import Outcome, Verdict
+from gaitflow.report.regions import GaitGrid
+
+FIGURES = {
+    "4a": "half-cheetah-flat-effort",
+    "4b": "half-cheetah-flat-vibration",
+    "4c": "half-cheetah-slope20-vibration",
+}
+
+Grids = Mapping[str, GaitGrid]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One statement of the paper and what our maps say about it."""
+
+    id: str
+    statement: str
+    verdict: Verdict
+    numbers: str
+
+
+@dataclass(frozen=True)
+class _Check:
+    id: str
+    statement: str
+    needs: tuple[str, ...]  # figures
+    measure: Callable[..., Outcome]  # one GaitGrid per needed figure
+
+
+def check_claims(labels: Mapping[str, pd.DataFrame]) -> tuple[Claim, ...]:
+    """One row per statement; `labels` maps scenario names (the values of FIGURES) to labels frames.
+
+    A statement whose scenarios are not all given is "not measured" and says which are missing.
+    Raises ValueError when a labels frame has no grid task.
+    """
+    grids = {figure: GaitGrid.from_labels(labels[name]) for figure, name in FIGURES.items() if name in labels}
+    return tuple(_evaluate(check, grids) for check in CHECKS)
+
+
+def claims_data(claims: Sequence[Claim]) -> list[dict[str, Any]]:
+    """The rows as plain JSON data."""
+    return [asdict(claim) for claim in claims]
+
+
+def claims_markdown(claims: Sequence[Claim]) -> str:
+    """The rows as a Markdown table, one line per statement."""
+    lines = ["| id | the paper's statement | verdict | numbers |", "| --- | --- | --- | --- |"]
+    for claim in claims:
+        cells = (claim.id, claim.statement, claim.verdict, claim.numbers)
+        lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def _evaluate(check: _Check, grids: Grids) -> Claim:
+    missing = [f"{FIGURES[figure]} (Fig. {figure})" for figure in check.needs if figure not in grids]
+    if missing:
+        return Claim(check.id, check.statement, "not measured", "needs " + " and ".join(missing))
+    return Claim(check.id, check.statement, *check.measure(*(grids[figure] for figure in check.needs)))
+
+
+CHECKS = (
+    _Check(
+        "4a-walking",
+        "At very low speeds (up to about 0.3 m/s) walking is favoured.",
+        ("4a",),
+        measures.walking_when_very_slow,
+    ),
+    _Check(
+        "4a-gallop-walk",
+        "At 0.5 to 0.7 m/s the model switches to gallop-walk.",
+        ("4a",),
+        measures.gallop_walk_when_slow,
+    ),
+    _Check(
+        "4a-gallop",
+        "From 0.9 m/s on galloping is preferred (but for the next row).",
+        ("4a",),
+        measures.gallop_from_medium_speed,
+    ),
+    _Check(
+        "4a-bounding",
+        "At T = 1.2 to 1.6 s and 1.7 to 2.3 m/s bounding is preferred.",
+        ("4a",),
+        measures.bounding_when_fast_and_long,
+    ),
+    _Check("4a-small", "Pronking and gallop-bound cover two small regions only.", ("4a",), measures.two_small_regions),
+    _Check(
+        "4a-pronking",
+        "Pronking appears during the transition from gallop-walk to gallop.",
+        ("4a",),
+        measures.at_transition("pronking", ("gallop-walk", "gallop")),
+    ),
+    _Check(
+        "4a-gallop-bound",
+        "Gallop-bound appears during the transition from gallop to bounding.",
+        ("4a",),
+        measures.at_transition("gallop-bound", ("gallop", "bounding")),
+    ),
+    _Check("4a-fig5", "All discovered gaits are described in Fig. 5.", ("4a",), measures.only_gaits_of_fig5),
+    _Check(
+        "4b-same", "Some regions remain the same as in Fig. 4a (at least two).", ("4a", "4b"), measures.same_regions
+    ),
+    _Check(
+        "4b-bounding",
+        "At medium speed and every T bounding is preferred over gallop.",
+        ("4b",),
+        measures.bounding_at_medium_speed,
+    ),
+    _Check(
+        "4b-gallop-bound",
+        "Gallop-bound increases at the borders of gallop and bounding.",
+        ("4a", "4b"),
+        measures.increased_at_border("gallop-bound", ("gallop", "bounding")),
+    ),
+    _Check("4b-gallop-walk", "Gallop-walk becomes prevalent at low speed.", ("4b",), measures.gallop_walk_at_low_speed),
+    _Check(
+        "4c-gallop", "Gallop replaces bounding at low T and medium speed.", ("4b", "4c"), measures.bounding_replaced
+    ),
+    _Check(
+        "4c-pronking",
+        "Pronking becomes more prominent on the boundary of gallop and bounding.",
+        ("4b", "4c"),
+        measures.increased_at_border("pronking", ("gallop", "bounding")),
+    ),
+    _Check("4-distinct", "Maps differ sufficiently between scenarios.", ("4a", "4b", "4c"), measures.distinct),
+    _Check("4-fig5", "The gaits discovered are the seven of Fig. 5.", ("4a", "4b", "4c"), measures.every_gait_of_fig5),
+    _Check("4a-contiguous", "Gaits occupy several contiguous regions of Fig. 4a.", ("4a",), measures.contiguous),
+    _Check("4b-contiguous", "Gaits occupy several contiguous regions of Fig. 4b.", ("4b",), measures.contiguous),
+    _Check("4c-contiguous", "Gaits occupy several contiguous regions of Fig. 4c.", ("4c",), measures.contiguous),
+)

@@ -1,0 +1,94 @@
+"""The labelled task grid as a picture of gaits: windows of tasks, connected regions and which gaits they border."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy import ndimage
+
+Mask = NDArray[np.bool_]
+INFEASIBLE = ""  # gait of a grid task that no pattern solves
+NEAR = 1e-6  # m/s or s: window limits include grid values that differ by rounding
+
+
+@dataclass(frozen=True)
+class GaitGrid:
+    """Best gaits on a rectangular task grid.
+
+    speeds [n] m/s rising; durations [m] s rising; gaits [n, m] names, "" where the task is infeasible or was not
+    part of the grid; ties [n, m] sets of the names that cost the same within the tie tolerance.
+    """
+
+    speeds: NDArray[np.float64]
+    durations: NDArray[np.float64]
+    gaits: NDArray[np.object_]
+    ties: NDArray[np.object_]
+
+    @classmethod
+    def from_labels(cls, labels: pd.DataFrame) -> GaitGrid:
+        """The grid tasks of a labels frame. Raises ValueError when the frame has none."""
+        grid = labels[labels["split"] == "grid"]
+        if grid.empty:
+            raise ValueError("the labels have no task of the split 'grid'; solve the scenario's task grid first")
+        rounded = grid.assign(speed=grid["speed"].round(9), cycle_duration=grid["cycle_duration"].round(9))
+        speeds = np.sort(rounded["speed"].unique()).astype(float)
+        durations = np.sort(rounded["cycle_duration"].unique()).astype(float)
+        gaits = np.full((len(speeds), len(durations)), INFEASIBLE, dtype=object)
+        ties = np.full(gaits.shape, frozenset(), dtype=object)
+        for row in rounded[rounded["status"] == "solved"].to_dict("records"):
+            at = np.searchsorted(speeds, row["speed"]), np.searchsorted(durations, row["cycle_duration"])
+            gaits[at] = row["gait"]
+            ties[at] = frozenset(row["ties"]) | {row["gait"]}
+        return cls(speeds, durations, gaits, ties)
+
+    @property
+    def feasible(self) -> Mask:
+        """Tasks with a best gait, [n, m]."""
+        return np.asarray(self.gaits != INFEASIBLE, dtype=bool)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Gaits that are best at some task, sorted."""
+        return tuple(sorted(set(self.gaits[self.feasible])))
+
+    def window(
+        self, speed: tuple[float, float] = (-np.inf, np.inf), duration: tuple[float, float] = (-np.inf, np.inf)
+    ) -> Mask:
+        """Feasible tasks with speed [m/s] and cycle duration [s] within closed intervals, [n, m]."""
+        in_speed = (self.speeds >= speed[0] - NEAR) & (self.speeds <= speed[1] + NEAR)
+        in_duration = (self.durations >= duration[0] - NEAR) & (self.durations <= duration[1] + NEAR)
+        return self.feasible & in_speed[:, None] & in_duration[None, :]
+
+    def at(self, speeds: NDArray[np.float64], durations: NDArray[np.float64]) -> GaitGrid:
+        """The part of the map on some of its speeds and durations (both must be on the grid)."""
+        rows, columns = np.searchsorted(self.speeds, speeds), np.searchsorted(self.durations, durations)
+        at = np.ix_(rows, columns)
+        return GaitGrid(self.speeds[rows], self.durations[columns], self.gaits[at], self.ties[at])
+
+    def best(self, gait: str) -> Mask:
+        """Tasks at which `gait` costs least, [n, m]."""
+        return np.asarray(self.gaits == gait, dtype=bool)
+
+    def best_or_tied(self, gait: str) -> Mask:
+        """Tasks at which `gait` costs least within the tie tolerance, [n, m]."""
+        return np.array([[gait in names for names in row] for row in self.ties], dtype=bool)
+
+    def regions(self, gait: str) -> tuple[Mask, ...]:
+        """Connected regions of a gait, largest first; tasks touch along an edge of the grid, not at a corner."""
+        numbered, count = ndimage.label(self.best(gait))
+        masks = [np.asarray(numbered == number, dtype=bool) for number in range(1, count + 1)]
+        return tuple(sorted(masks, key=lambda mask: -int(mask.sum())))
+
+    def borders(self, region: Mask) -> frozenset[str]:
+        """Gaits of the tasks that touch the region from outside."""
+        ring = ndimage.binary_dilation(region) & ~region & self.feasible
+        return frozenset(self.gaits[ring])
+
+    def third(self, axis: str, which: int) -> tuple[float, float]:
+        """Closed interval of the lower (0), middle (1) or upper (2) third of the axis "speed" or "duration"."""
+        values = self.speeds if axis == "speed" else self.durations
+        edges = np.linspace(values[0], values[-1], 4)
+        return float(edges[which]), float(edges[which + 1])
