@@ -1,0 +1,5 @@
+"""The gait problem, eq. (2)-(10) of the paper, one physical term a file; knows nothing of files."""
+
+from gaitflow.problem.transcription import Bounds, GaitProblem, transcribe
+
+__all__ = ["Bounds", "GaitProblem", "transcribe"]

@@ -1,0 +1,79 @@
+"""Eq. (7): unilateral forces, no penetration, no force in swing, no slip and no lift in stance.
+
+A pattern enters in one of two ways. *Bounds*: variables that the pattern decides are fixed (lower = upper) and the
+solver drops them. *Big-M*: rows switch the conditions by a contact variable c in {0, 1}; this is the paper's form,
+needed where the pattern itself is a decision.
+"""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import casadi as ca
+import numpy as np
+
+from gaitflow.gaits import Pattern
+from gaitflow.problem.layout import Layout
+from gaitflow.robots import Robot
+from gaitflow.trajectory import Array
+
+
+def highest_lift(robot: Robot) -> float:
+    """Largest foot height over the ground [m]: the longest leg of the box; also the big-M of eq. (7d)."""
+    return max(-leg.default_foot[-1] for leg in robot.legs) + robot.box[-1]
+
+
+def fix_contacts(layout: Layout, pattern: Pattern, lower: Array, upper: Array) -> None:
+    """Impose a pattern on the variable bounds [nw] in place, eq. (7c, 7d).
+
+    Swing: force = 0. Stance: foot velocity = 0, and foot height = 0 at every knot of the phase, its end included.
+    """
+    for step in range(layout.steps):
+        column = pattern.column(layout.phase_of(step))
+        for leg in range(layout.legs):
+            fixed = layout.foot_velocity(step, leg) if column[leg] else layout.force(step, leg)
+            lower[fixed] = upper[fixed] = 0.0
+            if column[leg]:
+                for knot in (step, step + 1):
+                    height = layout.foot(knot, leg).stop - 1
+                    lower[height] = upper[height] = 0.0
+
+
+def big_m_rows(robot: Robot, layout: Layout, x: ca.SX, u: ca.SX, contact: ca.SX) -> ca.SX:
+    """Big-M form of eq. (7c, 7d) for one step, [legs*(2d+2)]; all ask for <= 0. contact [legs]; forces over m g.
+
+    Tangential forces need no row: friction, eq. (6), bounds them by the normal force.
+    """
+    d = layout.dimension
+    force_limit, lift = robot.max_force / layout.weight, highest_lift(robot)
+    rows = []
+    for leg in range(layout.legs):
+        c = contact[leg]
+        normal = u[leg * d + d - 1]
+        height = x[layout.nb + leg * d + d - 1]
+        velocity = u[(layout.legs + leg) * d : (layout.legs + leg + 1) * d]
+        slack = (1 - c) * robot.max_foot_speed
+        rows += [normal - c * force_limit, height - (1 - c) * lift, velocity - slack, -velocity - slack]
+    return ca.vertcat(*rows)
+
+
+def one_stance_rows(legs: int, phases: int) -> tuple[Array, Array, Array]:
+    """Linear rows A c in [lower, upper] that admit exactly the patterns with one touchdown per leg and cycle.
+
+    c [legs*phases] leg-major. A leg's cyclic row has at most one run of contacts iff no four phases i<j<k<l read
+    1,0,1,0 or 0,1,0,1: |c_i - c_j + c_k - c_l| <= 1. At least one and at most phases-1 contacts make it exactly one.
+    """
+    rows, lower, upper = [], [], []
+    for leg in range(legs):
+        count = np.zeros(legs * phases)
+        count[leg * phases : (leg + 1) * phases] = 1
+        rows.append(count)
+        lower.append(1.0)
+        upper.append(phases - 1.0)
+        for chosen in combinations(range(phases), 4):
+            row = np.zeros(legs * phases)
+            row[[leg * phases + i for i in chosen]] = (1, -1, 1, -1)
+            rows.append(row)
+            lower.append(-1.0)
+            upper.append(1.0)
+    return np.array(rows), np.array(lower), np.array(upper)
