@@ -1,0 +1,10 @@
+rule report:
+    input:
+        "runs/{scenario}/solutions.parquet",
+        "runs/{scenario}/labels.parquet",
+        "runs/{scenario}/learning/learning.json",
+        "runs/{scenario}/published.json",
+    output:
+        "runs/{scenario}/report/index.html",
+    shell:
+        "gaitflow report {wildcards.scenario}"

@@ -1,0 +1,11 @@
+rule train:
+    input:
+        "runs/{scenario}/labels.parquet",
+        "runs/{scenario}/gait_costs.parquet",
+        part("learning"),
+    output:
+        "runs/{scenario}/learning/learning.json",
+        "runs/{scenario}/learning/classifier.onnx",
+    threads: 2
+    shell:
+        "gaitflow train {wildcards.scenario}"
