@@ -1,0 +1,49 @@
+"""What the map says about tasks, before any optimisation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitflow.runtime.tensors import WarmStart
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """The gait for one task (speed m/s, cycle duration s).
+
+    `gait` is the name of the likeliest gait, `pattern` its contacts (a row of 0 swing, 1 stance a leg, joined by "/"),
+    `probability` the classifier's; `ranked` all gaits with their probabilities, likeliest first. Outside the map's
+    domain `in_domain` is False, `gait` and `pattern` are None, `probability` is 0 and `ranked` is empty.
+    """
+
+    speed: float
+    cycle_duration: float
+    in_domain: bool
+    gait: str | None
+    pattern: str | None
+    probability: float
+    ranked: tuple[tuple[str, float], ...]
+    _warm_start: Callable[[str, float], WarmStart] = field(repr=False, compare=False)
+
+    @property
+    def warm_start(self) -> WarmStart | None:
+        """Where to start an optimiser for this gait and cycle duration; unpacked anew each call, None if out of domain."""
+        return None if self.gait is None else self._warm_start(self.gait, self.cycle_duration)
+
+
+@dataclass(frozen=True)
+class Choices:
+    """The gaits for arrays of tasks; every array has the shape of the broadcast arguments.
+
+    gaits: names, None outside the domain; index: place of the gait in `GaitMap.gaits`, -1 outside; probability: the
+    classifier's, 0 outside; in_domain: whether the map answers for the task.
+    """
+
+    gaits: NDArray[np.object_]
+    index: NDArray[np.intp]
+    probability: NDArray[np.float64]
+    in_domain: NDArray[np.bool_]

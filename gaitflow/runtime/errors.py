@@ -1,0 +1,11 @@
+"""What the runtime raises beside ValueError (an argument that is no finite number)."""
+
+from __future__ import annotations
+
+
+class ArtifactError(RuntimeError):
+    """An artifact that cannot be used: names the file, what is wrong with it, and the way out."""
+
+
+class OutOfDomain(ValueError):
+    """A task outside the tasks that the map was made for: names the value and the range."""

@@ -1,0 +1,66 @@
+"""Reading an artifact's files: sizes are known before a byte is read, digests before a byte is believed."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import stat
+from dataclasses import dataclass
+from pathlib import Path
+
+from gaitflow.runtime.errors import ArtifactError
+
+MANIFEST = "manifest.json"
+CARD = "README.md"
+CLASSIFIER = "classifier.onnx"
+PROBLEM = "problem.casadi"
+WARM_STARTS = "warmstarts.safetensors"
+
+# Largest size of each file [bytes]: far above what a map needs, far below what a machine has.
+LIMITS = {
+    MANIFEST: 8_000_000,
+    CARD: 1_000_000,
+    CLASSIFIER: 64_000_000,
+    PROBLEM: 128_000_000,
+    WARM_STARTS: 512_000_000,
+}
+
+
+@dataclass(frozen=True)
+class FileEntry:
+    """What the manifest says of one file: SHA-256 in lower-case hexadecimal, size in bytes."""
+
+    sha256: str
+    bytes: int
+
+
+def entry_of(content: bytes) -> FileEntry:
+    """The entry that `content` must have in a manifest."""
+    return FileEntry(hashlib.sha256(content).hexdigest(), len(content))
+
+
+def read_limited(path: Path, limit: int) -> bytes:
+    """The whole of a regular file of at most `limit` bytes; a link is not followed. Raises ArtifactError."""
+    try:
+        # Non-blocking, so that a pipe put in a file's place is refused below instead of waited for.
+        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
+    except OSError as error:
+        raise ArtifactError(f"{path}: cannot be read ({error.strerror}); publish or copy the artifact again") from None
+    with open(descriptor, "rb") as file:
+        status = os.fstat(file.fileno())
+        if not stat.S_ISREG(status.st_mode):
+            raise ArtifactError(f"{path}: not a regular file; copy the artifact again")
+        if status.st_size > limit:
+            raise ArtifactError(f"{path}: {status.st_size} bytes; this file may have at most {limit}")
+        return file.read(status.st_size)
+
+
+def read_checked(folder: Path, name: str, entry: FileEntry) -> bytes:
+    """A file of the artifact, equal in size and SHA-256 to its entry in the manifest. Raises ArtifactError."""
+    content = read_limited(folder / name, min(LIMITS[name], entry.bytes))
+    if entry_of(content) != entry:
+        raise ArtifactError(
+            f"{folder / name}: its content is not what the manifest lists (SHA-256 or size differs): "
+            "the file is damaged or was edited; copy the artifact again or publish a new version"
+        )
+    return content
