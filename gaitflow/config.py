@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
+from difflib import get_close_matches
 from pathlib import Path
-from typing import Any, Self
+from reprlib import repr as short
+from typing import Any, ClassVar, Self, get_args
 
 import yaml
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 MAX_CONFIG_BYTES = 1_000_000
+MAX_ERRORS = 20  # lines of one ConfigError
 
 
 class ConfigError(ValueError):
@@ -22,45 +27,114 @@ class Config(BaseModel):
 
     @classmethod
     def from_data(cls, data: Any, source: str) -> Self:
-        """Build from parsed YAML; `source` is what errors call the file. Raises ConfigError."""
-        if not isinstance(data, dict):
-            raise ConfigError(f"{source}: expected a mapping of fields, found {type(data).__name__}")
+        """Build from parsed YAML; `source` is what errors call the file. Raises ConfigError, a line an error."""
+        require_mapping(data, source)
         try:
             # JSON mode lets YAML lists fill tuples while numbers and strings stay strict.
             return cls.model_validate_json(_to_json(data, source))
         except ValidationError as error:
-            raise ConfigError("\n".join(_explain(source, item) for item in error.errors())) from None
+            lines = [f"{source}: {_explain(cls, item)}" for item in error.errors()]
+            if len(lines) > MAX_ERRORS:
+                lines[MAX_ERRORS:] = [f"{source}: and {len(lines) - MAX_ERRORS} more errors"]
+            raise ConfigError("\n".join(lines)) from None
 
     def as_data(self) -> dict[str, Any]:
         """Plain JSON data."""
         return self.model_dump(mode="json")
 
 
-def _to_json(data: Any, source: str) -> str:
-    import json
+def require_mapping(data: Any, source: str) -> dict[str, Any]:
+    """The data, when it is a mapping of fields. Raises ConfigError that says what it is instead."""
+    if isinstance(data, dict):
+        return data
+    found = "nothing: the file is empty" if data is None else f"a {type(data).__name__}, {short(data)}"
+    raise ConfigError(f"{source}: expected a mapping of fields (`field: value` lines), found {found}")
 
+
+def _to_json(data: Any, source: str) -> str:
     try:
         return json.dumps(data, allow_nan=True)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, RecursionError) as error:
         raise ConfigError(f"{source}: a value is not plain data ({error})") from None
 
 
-def _explain(source: str, item: Any) -> str:
-    field = ".".join(str(part) for part in item["loc"]) or "(whole file)"
-    value = "" if item["type"] == "missing" else f" = {item['input']!r}"
-    if item["type"] == "extra_forbidden":
-        return f"{source}: {field}{value}: unknown field; check its spelling or delete it"
-    return f"{source}: {field}{value}: {item['msg']}"
+def _explain(model: type[BaseModel], item: Any) -> str:
+    """One line on one pydantic error: field, value, what is allowed."""
+    kind, loc, value = item["type"], item["loc"], item["input"]
+    field = ".".join(str(part) for part in loc)
+    if kind == "value_error":  # of a validator of ours, whose text gives the values it compared
+        return f"{field}: {item['ctx']['error']}" if field else str(item["ctx"]["error"])
+    if kind == "missing":
+        return f"{field}: missing; this field has no default"
+    given = f"{field} = {short(value)}" if field else "whole file"
+    if kind == "extra_forbidden":
+        allowed = _fields_at(model, loc[:-1])
+        meant = get_close_matches(str(loc[-1]), allowed, 1)
+        return f"{given}: unknown field{f', did you mean {meant[0]}?' if meant else ';'} allowed: {', '.join(allowed)}"
+    message = item["msg"].replace("None", "null")
+    if kind in ("float_type", "int_type") and isinstance(value, str):
+        message += "; this is text: write it without quotes, and an exponent as in 1.0e+6"
+    return f"{given}: {message}"
+
+
+def _fields_at(model: type[BaseModel], loc: Sequence[str | int]) -> list[str]:
+    """Names of the fields allowed at a place in a model; list indices lead to the list's items."""
+    for part in loc:
+        if isinstance(part, str):
+            model = _model_in(model.model_fields[part].annotation) or model
+    return list(model.model_fields)
+
+
+def _model_in(annotation: Any) -> type[BaseModel] | None:
+    """The model that an annotation such as `tuple[Leg, ...]` is made of."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next((found for arg in get_args(annotation) if (found := _model_in(arg))), None)
+
+
+_YAML = "tag:yaml.org,2002:"
+
+
+class _PlainLoader(yaml.SafeLoader):
+    """YAML's plain data, no more: text, numbers, booleans, null, lists and mappings without repeated fields."""
+
+    yaml_constructors: ClassVar[dict[str | None, Any]] = {
+        tag: construct
+        for tag, construct in yaml.SafeLoader.yaml_constructors.items()
+        if tag is None or tag.removeprefix(_YAML) in ("null", "bool", "int", "float", "str", "seq", "map")
+    } | {_YAML + "timestamp": yaml.SafeLoader.construct_yaml_str}
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        if self.check_event(yaml.AliasEvent):  # some hundred bytes of nested aliases unfold to gigabytes
+            alias = self.peek_event()
+            raise yaml.MarkedYAMLError(problem="aliases are not allowed, write it out", problem_mark=alias.start_mark)
+        return super().compose_node(parent, index)
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        seen = set()
+        for key in (key for key, _ in node.value if isinstance(key, yaml.ScalarNode)):
+            if key.value in seen:
+                raise yaml.MarkedYAMLError(problem=f"{short(key.value)} is given twice", problem_mark=key.start_mark)
+            seen.add(key.value)
+        return super().construct_mapping(node, deep)
 
 
 def read_yaml(path: Path) -> Any:
-    """Parse one YAML file safely. Raises ConfigError when it is missing, too large or not YAML."""
+    """Parse one YAML file into plain data. Raises ConfigError when it is missing, too large or not such YAML."""
     try:
-        size = path.stat().st_size
-        if size > MAX_CONFIG_BYTES:
-            raise ConfigError(f"{path}: {size} bytes; a configuration has at most {MAX_CONFIG_BYTES}")
-        return yaml.safe_load(path.read_text(encoding="utf-8"))
+        with path.open("rb") as file:
+            content = file.read(MAX_CONFIG_BYTES + 1)
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror})") from None
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
+    if len(content) > MAX_CONFIG_BYTES:
+        raise ConfigError(f"{path}: more than {MAX_CONFIG_BYTES} bytes, the most a configuration may have")
+    try:
+        return yaml.load(content.decode(), _PlainLoader)
+    except yaml.MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        place = f"{path}, line {mark.line + 1}, column {mark.column + 1}" if mark else str(path)
+        raise ConfigError(f"{place}: not valid YAML ({error.problem or error.context})") from None
+    except (yaml.YAMLError, ValueError) as error:
         raise ConfigError(f"{path}: not valid YAML ({str(error).splitlines()[0]})") from None
+    except RecursionError:
+        raise ConfigError(f"{path}: not valid YAML (nested too deep)") from None

@@ -29,8 +29,8 @@ class Pattern:
         lengths = {len(row) for row in self.rows}
         if len(lengths) != 1 or 0 in lengths or any(row.strip("01") for row in self.rows):
             raise ValueError(
-                f"gait pattern {short('/'.join(self.rows))}: write a row of digits 0 (swing) or 1 (stance) for each leg, "
-                "all of one length, joined by '/', such as 0110/1100"
+                f"gait pattern {short('/'.join(self.rows))}: write a row of digits 0 (swing) or 1 (stance) for each "
+                "leg, all of one length, joined by '/', such as 0110/1100"
             )
 
     @classmethod

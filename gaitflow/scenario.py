@@ -10,16 +10,19 @@ from __future__ import annotations
 import hashlib
 import json
 from pathlib import Path
+from reprlib import repr as short
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
-from gaitflow.config import Config, ConfigError, read_yaml
+from gaitflow.config import Config, ConfigError, read_yaml, require_mapping
 from gaitflow.robots import Robot, load_robot
 
 Weight = Annotated[float, Field(ge=0)]
 Count = Annotated[int, Field(ge=1)]
+Widths = Annotated[tuple[Count, ...], Field(min_length=1)]
+Rate = Annotated[float, Field(gt=0)]
 
 
 class Terrain(Config):
@@ -61,8 +64,8 @@ class Transcription(Config):
     def _phases_fit(self) -> Transcription:
         if self.phases * self.min_phase_fraction > 1:
             raise ValueError(
-                f"{self.phases} phases of at least {self.min_phase_fraction:g} of the cycle do not fit into it; "
-                f"min_phase_fraction may be at most {1 / self.phases:g}"
+                f"min_phase_fraction = {self.min_phase_fraction:g}: phases = {self.phases} of at least this part of "
+                f"the cycle do not fit into it; allowed is at most 1/{self.phases}"
             )
         return self
 
@@ -77,7 +80,10 @@ class Axis(Config):
     @model_validator(mode="after")
     def _ordered(self) -> Axis:
         if self.stop < self.start or (self.count > 1 and self.stop == self.start):
-            raise ValueError(f"stop ({self.stop:g}) must be above start ({self.start:g})")
+            raise ValueError(
+                f"stop = {self.stop:g}, start = {self.start:g}, count = {self.count}: stop must be above start "
+                "(equal only when count is 1)"
+            )
         return self
 
     @property
@@ -98,7 +104,7 @@ class Tasks(Config):
     @classmethod
     def _positive(cls, axis: Axis) -> Axis:
         if axis.start <= 0:
-            raise ValueError(f"a cycle must last longer than 0 s, start is {axis.start:g}")
+            raise ValueError(f"start = {axis.start:g}: a cycle must last longer than 0 s")
         return axis
 
 
@@ -115,7 +121,11 @@ class Strategy(Config):
     @model_validator(mode="after")
     def _pattern_fits(self) -> Strategy:
         if (self.pattern is not None) != (self.name == "fixed_gait"):
-            raise ValueError("`pattern` belongs to the strategy fixed_gait, and only to it")
+            pattern = "null" if self.pattern is None else short(self.pattern)
+            raise ValueError(
+                f"name = {self.name!r}, pattern = {pattern}: a pattern is needed by the strategy 'fixed_gait', "
+                "and allowed for no other"
+            )
         return self
 
 
@@ -125,9 +135,9 @@ class Learning(Config):
     folds: Annotated[int, Field(ge=2, le=20)] = 5
     seed: Annotated[int, Field(ge=0)] = 0
     tie_tolerance: Annotated[float, Field(ge=0, lt=0.1)] = 1e-3  # relative cost within which gaits tie
-    hidden_layers: tuple[tuple[Count, ...], ...] = ((100, 80, 50), (80, 80, 70), (120, 70, 40))
-    learning_rates: tuple[float, ...] = (1e-3, 1e-2)
-    weight_decays: tuple[float, ...] = (1e-4, 1e-2)
+    hidden_layers: Annotated[tuple[Widths, ...], Field(min_length=1)] = ((100, 80, 50), (80, 80, 70), (120, 70, 40))
+    learning_rates: Annotated[tuple[Rate, ...], Field(min_length=1)] = (1e-3, 1e-2)
+    weight_decays: Annotated[tuple[Weight, ...], Field(min_length=1)] = (1e-4, 1e-2)
     max_epochs: Count = 300
 
 
@@ -140,7 +150,7 @@ class Scenario(Config):
     terrain: Terrain = Terrain()
     objective: Objective
     transcription: Transcription = Transcription()
-    stances_per_leg: Literal[1] | None = None  # 1: every leg touches down exactly once a cycle; null: any number
+    stances_per_leg: Literal[1, None] = None  # 1: every leg touches down exactly once a cycle; null: any number
     tasks: Tasks
     strategy: Strategy = Strategy()
     learning: Learning = Learning()
@@ -148,14 +158,18 @@ class Scenario(Config):
     @model_validator(mode="after")
     def _terms_agree(self) -> Scenario:
         if self.objective.lateral_foot and self.robot.dimension == 2:
-            raise ValueError("objective.lateral_foot needs a robot in 3D; this one is planar")
+            raise ValueError(
+                f"objective.lateral_foot = {self.objective.lateral_foot:g}: needs a robot with dimension 3, "
+                f"{self.robot.name} has 2; allowed is 0"
+            )
         pattern = self.strategy.pattern
         if pattern is not None:
             rows = pattern.split("/")
-            legs, phases = len(self.robot.legs), self.transcription.phases
-            if len(rows) != legs or any(len(row) != phases or set(row) - {"0", "1"} for row in rows):
+            legs, phases = self.robot.leg_names, self.transcription.phases
+            if len(rows) != len(legs) or any(len(row) != phases or row.strip("01") for row in rows):
                 raise ValueError(
-                    f"strategy.pattern {pattern!r} must be {legs} rows of {phases} digits 0 or 1 joined by '/'"
+                    f"strategy.pattern = {short(pattern)}: write {len(legs)} rows (legs {', '.join(legs)}) of {phases} "
+                    "digits 0 (swing) or 1 (stance), joined by '/'"
                 )
         return self
 
@@ -178,14 +192,14 @@ def load_scenario(path: Path, robots: Path | None = None) -> Scenario:
     `robots` is the folder of robot files; by default `../robots` beside the scenario's folder.
     Raises ConfigError that names the file, the field, the value and what is allowed.
     """
-    data = read_yaml(path)
-    if not isinstance(data, dict):
-        raise ConfigError(f"{path}: expected a mapping of fields, found {type(data).__name__}")
+    data = dict(require_mapping(read_yaml(path), str(path)))
     folder = robots or path.resolve().parent.parent / "robots"
-    data = dict(data)
-    name = data.get("robot")
+    if "robot" not in data:
+        return Scenario.from_data(data, str(path))  # raises: every scenario names a robot
+    name = data["robot"]
     known = sorted(file.stem for file in folder.glob("*.yaml"))
     if not isinstance(name, str) or name not in known:
-        raise ConfigError(f"{path}: robot = {name!r}: allowed are the files in {folder}: {', '.join(known)}")
+        allowed = ", ".join(known) or f"none, as {folder} holds no .yaml file"
+        raise ConfigError(f"{path}: robot = {short(name)}: unknown robot; allowed: {allowed}")
     data["robot"] = load_robot(folder / f"{name}.yaml").as_data()
     return Scenario.from_data(data, str(path))

@@ -55,7 +55,9 @@ def test_text_round_trip(pattern: Pattern) -> None:
     assert pattern.text.count("/") == pattern.legs - 1
 
 
-@pytest.mark.parametrize("text", ["", "/", "0110/", "011/1100", "0112/1100", "0110 / 1100", "٠١/١٠", "F 01 / H 10", "0\n1"])
+@pytest.mark.parametrize(
+    "text", ["", "/", "0110/", "011/1100", "0112/1100", "0110 / 1100", "٠١/١٠", "F 01 / H 10", "0\n1"]
+)
 def test_text_that_is_no_pattern_is_refused_with_the_way_out(text: str) -> None:
     with pytest.raises(ValueError, match="such as 0110/1100") as caught:
         Pattern.from_text(text)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from reprlib import repr as short
 from typing import Annotated, Literal
 
 import numpy as np
@@ -44,23 +45,34 @@ class Robot(Config):
         d = self.dimension
         rows = 1 if d == 2 else 3
         if [len(row) for row in self.inertia] != [rows] * rows:
-            raise ValueError(f"inertia must be {rows} row(s) of {rows} number(s) when dimension is {d}")
+            raise ValueError(
+                f"inertia = {short(self.inertia)}: must be {rows} row(s) of {rows} number(s) when dimension is {d}"
+            )
         inertia = np.array(self.inertia)
         if not np.allclose(inertia, inertia.T) or np.linalg.eigvalsh(inertia).min() <= 0:
-            raise ValueError("inertia must be symmetric and positive definite [kg m^2]")
+            raise ValueError(f"inertia = {self.inertia}: must be symmetric and positive definite [kg m^2]")
         if len(self.box) != d:
-            raise ValueError(f"box must have {d} half lengths when dimension is {d}")
+            raise ValueError(f"box = {short(self.box)}: must have {d} half lengths when dimension is {d}")
         for leg in self.legs:
             if len(leg.default_foot) != d:
-                raise ValueError(f"legs.{leg.name}.default_foot must have {d} coordinates")
+                raise ValueError(
+                    f"legs.{leg.name}.default_foot = {short(leg.default_foot)}: must have {d} coordinates when "
+                    f"dimension is {d}"
+                )
             if leg.default_foot[-1] + self.box[-1] >= 0:
-                raise ValueError(f"legs.{leg.name}: the box must end below the base (default z + box z < 0)")
+                raise ValueError(
+                    f"legs.{leg.name}.default_foot = {leg.default_foot}: with box = {self.box} the foot's box reaches "
+                    f"up to the base; its z must be below {-self.box[-1]:g}"
+                )
         names = [leg.name for leg in self.legs]
         if len(set(names)) != len(names):
-            raise ValueError(f"leg names must differ, found {names}")
-        for name in {name for pair in self.mirror for name in pair}:
-            if name not in names:
-                raise ValueError(f"mirror names the leg {name!r}; the legs are {names}")
+            raise ValueError(f"legs: names = {names}: each must differ from the others")
+        paired = [name for pair in self.mirror for name in pair]
+        if len(set(paired)) != len(paired) or not set(paired) <= set(names):
+            raise ValueError(
+                f"mirror = {short(self.mirror)}: pairs of legs, none in two pairs or paired with itself; "
+                f"allowed: {', '.join(names)}"
+            )
         return self
 
     @property
