@@ -1,0 +1,149 @@
+"""The promises of the repository itself: pins, links, versions, sizes, and what each install pulls in."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+import sys
+import tomllib
+from importlib.metadata import packages_distributions
+from pathlib import Path
+
+import pytest
+import yaml
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+import gaitflow
+
+MEGABYTE = 1_000_000
+# Imported by nothing, run as a program.
+PROGRAMS = {"snakemake"}
+# What a planner imports; the rest of the package belongs to map makers.
+THIN = ("gaits.py", "check.py", "trajectory.py", "runtime/")
+
+
+@pytest.fixture(scope="module")
+def tracked(checkout: Path) -> list[Path]:
+    listing = subprocess.run(["git", "ls-files", "-z"], cwd=checkout, capture_output=True, text=True, check=False)
+    if listing.returncode:
+        pytest.skip("not a git checkout")
+    return [checkout / name for name in listing.stdout.split("\0") if name and (checkout / name).is_file()]
+
+
+@pytest.fixture(scope="module")
+def project(checkout: Path) -> dict[str, list[Requirement]]:
+    """Requirements by extra, "" for the base install; `all` left out, it only names the others."""
+    data = tomllib.loads((checkout / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    groups = {"": data["dependencies"]} | data["optional-dependencies"]
+    return {name: [Requirement(text) for text in group] for name, group in groups.items() if name != "all"}
+
+
+def _names(requirements: list[Requirement]) -> set[str]:
+    return {canonicalize_name(requirement.name) for requirement in requirements}
+
+
+def _third_party_imports(file: Path) -> set[str]:
+    """Distributions that the module imports anywhere, also inside functions; the standard library left out."""
+    modules: set[str] = set()
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            modules.update(alias.name.split(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
+            modules.add(node.module.split(".")[0])
+    owners = packages_distributions()
+    modules -= set(sys.stdlib_module_names) | {"gaitflow"}
+    return {canonicalize_name(owners.get(module, [module])[0]) for module in modules}
+
+
+def _imports_of_package(checkout: Path) -> dict[str, set[str]]:
+    root = checkout / "gaitflow"
+    return {file.relative_to(root).as_posix(): _third_party_imports(file) for file in sorted(root.rglob("*.py"))}
+
+
+def _constraints(checkout: Path) -> dict[str, str]:
+    lines = (checkout / "constraints.txt").read_text(encoding="utf-8").splitlines()
+    bad = [line for line in lines if not re.fullmatch(r"[A-Za-z0-9._-]+==[A-Za-z0-9.]+", line)]
+    assert not bad, f"constraints.txt holds lines `name==version` only, no addresses or local builds: {bad}"
+    return {canonicalize_name(name): version for name, version in (line.split("==") for line in lines)}
+
+
+def test_constraints_pin_every_requirement_within_its_bounds(
+    checkout: Path, project: dict[str, list[Requirement]]
+) -> None:
+    pins = _constraints(checkout)
+    for requirement in (requirement for group in project.values() for requirement in group):
+        version = pins.get(canonicalize_name(requirement.name))
+        assert version is not None, f"{requirement.name} is not in constraints.txt: run `make constraints`"
+        assert version in requirement.specifier, f"constraints.txt pins {requirement.name} to {version}: {requirement}"
+
+
+def test_base_install_is_what_the_thin_modules_import(checkout: Path, project: dict[str, list[Requirement]]) -> None:
+    base = _names(project[""])
+    thin = {name: found for name, found in _imports_of_package(checkout).items() if name.startswith(THIN)}
+    assert thin
+    for name, found in thin.items():
+        allowed = base | ({"casadi"} if name == "runtime/refine.py" else set())
+        assert found <= allowed, f"gaitflow/{name} imports {sorted(found - allowed)}, not in the base install"
+
+
+def test_every_import_is_declared_and_every_declared_library_is_used(
+    checkout: Path, project: dict[str, list[Requirement]]
+) -> None:
+    declared = set().union(*(_names(group) for extra, group in project.items() if extra != "dev"))
+    imported = set().union(*_imports_of_package(checkout).values())
+    assert not imported - declared, "imported, in no extra of pyproject.toml"
+    assert not declared - imported - PROGRAMS, "in pyproject.toml, imported nowhere"
+
+
+def test_links_of_every_page_lead_somewhere(checkout: Path, tracked: list[Path]) -> None:
+    broken = []
+    for page in (file for file in tracked if file.suffix == ".md"):
+        prose = re.sub(r"```.*?```|`[^`\n]*`", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+        for target in re.findall(r"\]\(<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\)", prose):
+            path, _, anchor = target.partition("#")
+            if re.match(r"[a-z][a-z0-9+.-]*:", path):
+                continue
+            file = (page.parent / path).resolve() if path else page
+            if not file.exists() or not file.is_relative_to(checkout) or (anchor and anchor not in _anchors(file)):
+                broken.append(f"{page.relative_to(checkout)} -> {target}")
+    assert not broken
+
+
+def _anchors(page: Path) -> set[str]:
+    headings = re.findall(r"^#+\s+(.+?)\s*$", page.read_text(encoding="utf-8"), flags=re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def test_version_is_the_same_everywhere(checkout: Path) -> None:
+    citation = yaml.safe_load((checkout / "CITATION.cff").read_text(encoding="utf-8"))
+    assert str(citation["version"]) == gaitflow.__version__
+    changelog = (checkout / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert f"## [{gaitflow.__version__}]" in changelog
+
+
+def test_no_tracked_file_is_large(tracked: list[Path]) -> None:
+    large = {str(file): file.stat().st_size for file in tracked if file.stat().st_size > 20 * MEGABYTE}
+    assert not large, "published results stay below 20 MB a file"
+
+
+def test_no_tracked_file_names_a_path_of_one_machine(checkout: Path, tracked: list[Path]) -> None:
+    private = re.compile(rb"(?<![\w.$}>-])/(?:home|root|Users|work)/\w|" + re.escape(str(checkout).encode()) + rb"\b")
+    found = [
+        f"{file.relative_to(checkout)}: {hit.group().decode(errors='replace')}"
+        for file in tracked
+        if (hit := private.search(file.read_bytes()))
+    ]
+    assert not found
+
+
+def test_ci_scripts_can_be_run(checkout: Path, tracked: list[Path]) -> None:
+    scripts = [file for file in tracked if file.parent == checkout / ".ci"]
+    assert checkout / ".ci" / "run" in scripts
+    for script in scripts:
+        mode = subprocess.run(
+            ["git", "ls-files", "--stage", str(script)], cwd=checkout, capture_output=True, text=True, check=True
+        ).stdout[:6]
+        assert mode == "100755", f"{script.name} is not executable: git update-index --chmod=+x"
+        subprocess.run(["bash", "-n", str(script)], check=True)
