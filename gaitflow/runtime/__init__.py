@@ -1,10 +1,10 @@
 """What a planner imports: load a published gait map, ask which gait a task takes, have it refined.
 
-    from gaitflow.runtime import GaitMap
+from gaitflow.runtime import GaitMap
 
-    gait_map = GaitMap.load("models/half-cheetah-flat-effort")
-    choice = gait_map.select(speed=0.9, cycle_duration=0.6)
-    plan = gait_map.plan(speed=0.9, cycle_duration=0.6)  # needs gaitflow[solve]
+gait_map = GaitMap.load("models/half-cheetah-flat-effort")
+choice = gait_map.select(speed=0.9, cycle_duration=0.6)
+plan = gait_map.plan(speed=0.9, cycle_duration=0.6)  # needs gaitflow[solve]
 """
 
 from gaitflow.runtime.choice import Choice, Choices

@@ -31,7 +31,7 @@ class Choice:
 
     @property
     def warm_start(self) -> WarmStart | None:
-        """Where to start an optimiser for this gait and cycle duration; unpacked anew each call, None if out of domain."""
+        """Where to start an optimiser for this gait and cycle duration; unpacked on each call, None out of domain."""
         return None if self.gait is None else self._warm_start(self.gait, self.cycle_duration)
 
 

@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from gaitflow.runtime.errors import ArtifactError
 
-OUTPUT = "probabilities"
+OUTPUT = "probability"
 
 
 class Classifier:
-    """A loaded graph: one float32 input [N, 2] of (speed m/s, cycle duration s), output `probabilities` [N, G].
+    """A loaded graph: one float32 input [N, 2] of (speed m/s, cycle duration s), output `probability` [N, G].
 
     Given as bytes, so that a graph cannot name other files for its weights. Safe to call from many threads.
     Raises ArtifactError when the graph does not load or has other inputs or outputs.

@@ -72,7 +72,5 @@ def _around(axis: tuple[float, ...], value: float) -> tuple[int, int]:
     return bisect_right(axis, value + SNAP) - 1, bisect_left(axis, value - SNAP)
 
 
-def _around_many(
-    axis: tuple[float, ...], values: NDArray[np.float64]
-) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _around_many(axis: tuple[float, ...], values: NDArray[np.float64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     return np.searchsorted(axis, values + SNAP, side="right") - 1, np.searchsorted(axis, values - SNAP, side="left")

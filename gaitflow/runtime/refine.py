@@ -27,6 +27,8 @@ from gaitflow.trajectory import Array, Trajectory
 # IPOPT with MUMPS crashes when two threads of one process solve at once (casadi issue 3456).
 _SOLVING = threading.Lock()
 
+_CONVERGED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
+
 
 @dataclass(frozen=True)
 class Attempt:
@@ -46,6 +48,11 @@ class Attempt:
     def feasible(self) -> bool:
         """Whether the check, not the solver, finds the trajectory feasible."""
         return self.violation <= check.FEASIBLE
+
+    @property
+    def refined(self) -> bool:
+        """Feasible and a minimum: the solver's word is needed for the second, and never enough for the first."""
+        return self.feasible and self.solver_status in _CONVERGED
 
 
 class Refiner:
@@ -105,7 +112,7 @@ def load_problem(folder: Path, manifest: Manifest) -> Any:
         reason = str(error).strip().splitlines()[-1][:200]
         raise ArtifactError(
             f"{path}: CasADi {casadi.__version__} cannot read it ({reason}); install the version that made it, "
-            f"{manifest.code.get('casadi', 'see `code` in the manifest')}"
+            "which `code` in manifest.json names"
         ) from None
     takes = [function.size_in(i) for i in range(function.n_in())]
     gives = [function.size_out(i) for i in range(function.n_out())]

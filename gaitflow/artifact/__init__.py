@@ -1,0 +1,19 @@
+"""The versioned artifact `models/<scenario>/<version>/`: publish it, verify it, list its versions."""
+
+from gaitflow.artifact.parts import Parts, RegionStart
+from gaitflow.artifact.publish import PublishError, VersionExists, publish
+from gaitflow.artifact.verify import Finding, verify
+from gaitflow.artifact.versions import Published, newest, published
+
+__all__ = [
+    "Finding",
+    "Parts",
+    "PublishError",
+    "Published",
+    "RegionStart",
+    "VersionExists",
+    "newest",
+    "publish",
+    "published",
+    "verify",
+]

@@ -1,0 +1,93 @@
+"""A small but real map of the half-cheetah: 4 knots a phase, solved gaits, a linear classifier over speed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from onnx import TensorProto, helper, numpy_helper
+
+from gaitflow.artifact import Parts
+from gaitflow.gaits import Pattern
+from gaitflow.problem import GaitProblem, transcribe
+from gaitflow.scenario import load_scenario
+from gaitflow.solve.guess import nominal
+from gaitflow.solve.nlp import FixedGaitSolver, Start
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+WALKING, GALLOP = "walking", "gallop"
+# The task that each gait's start is solved for.
+SOLVED_AT = {WALKING: ("0111/1101", 0.3, 0.6), GALLOP: ("0110/1100", 1.3, 0.6)}
+
+
+@dataclass(frozen=True)
+class Solved:
+    """A solved gait as a region's start."""
+
+    gait: str
+    pattern: str
+    primal: np.ndarray
+    bounds: np.ndarray
+    rows: np.ndarray
+
+
+def tiny_problem() -> GaitProblem:
+    scenario = load_scenario(CONFIGS / "scenarios" / "quickstart.yaml")
+    transcription = scenario.transcription.model_copy(update={"knots_per_phase": 4})
+    return transcribe(scenario.model_copy(update={"transcription": transcription}))
+
+
+def solved_start(problem: GaitProblem, gait: str) -> Solved:
+    pattern, speed, cycle = SOLVED_AT[gait]
+    solver = FixedGaitSolver(problem, time_limit=20.0)
+    guess = nominal(problem.scenario.robot, problem.layout, speed, cycle)
+    attempt = solver.solve(Pattern.from_text(pattern), speed, cycle, Start("nominal", guess))
+    assert attempt.feasible, attempt.solver_status
+    return Solved(gait, pattern, attempt.w, attempt.multipliers.bounds, attempt.multipliers.rows)
+
+
+def linear_classifier(slopes: Sequence[float], offsets: Sequence[float]) -> bytes:
+    """softmax(slopes * speed + offsets) as ONNX."""
+    weights = np.array([slopes, np.zeros(len(slopes))], dtype=np.float32)
+    graph = helper.make_graph(
+        [
+            helper.make_node("Gemm", ["task", "weights", "offsets"], ["scores"]),
+            helper.make_node("Softmax", ["scores"], ["probability"], axis=1),
+        ],
+        "tiny",
+        [helper.make_tensor_value_info("task", TensorProto.FLOAT, [None, 2])],
+        [helper.make_tensor_value_info("probability", TensorProto.FLOAT, [None, len(slopes)])],
+        [
+            numpy_helper.from_array(weights, "weights"),
+            numpy_helper.from_array(np.array(offsets, dtype=np.float32), "offsets"),
+        ],
+    )
+    model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 15)], ir_version=8)
+    return model.SerializeToString(deterministic=True)
+
+
+def tiny_parts() -> Parts:
+    """Walking below 0.7 m/s, gallop above; the fastest shortest task of the grid has no feasible gait."""
+    problem = tiny_problem()
+    tasks = problem.scenario.tasks
+    feasible = np.ones((tasks.speed.count, tasks.cycle_duration.count), dtype=bool)
+    feasible[-1, 0] = False
+    return Parts(
+        problem=problem,
+        feasible=feasible,
+        starts=[solved_start(problem, WALKING), solved_start(problem, GALLOP)],
+        classifier=linear_classifier([-5.0, 5.0], [3.5, -3.5]),
+        classifier_kind="perceptron",
+        dataset={"digest": "0" * 64, "version": "1.0.0"},
+        code={"code": {"version": "0.1.0"}, "packages": {"casadi": "3.8.2"}},
+        metrics={"accuracy": 0.97, "classes": [WALKING, GALLOP]},
+        solver_options={"max_iter": 200, "mumps_pivot_order": 0},
+    )
+
+
+def preferring(parts: Parts, gait: str) -> Parts:
+    """The same map with a classifier that picks `gait` everywhere."""
+    favoured = [4.0 if start.gait == gait else 0.0 for start in parts.starts]
+    return replace(parts, classifier=linear_classifier([0.0, 0.0], favoured))
