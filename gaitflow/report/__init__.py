@@ -1,0 +1,1 @@
+"""Figures, tables and one HTML page from labels, solutions and a classifier; and the statements of the paper."""

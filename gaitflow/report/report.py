@@ -1,0 +1,178 @@
+"""The report of one scenario: its figures as PNG files and one page that holds them all."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from gaitflow.files import atomic_write
+from gaitflow.report.gait_diagrams import draw_gait_diagrams
+from gaitflow.report.gait_map import Select, draw_gait_map
+from gaitflow.report.motion import draw_motion
+from gaitflow.report.page import Picture, Section, render_page
+from gaitflow.report.palette import gait_colours
+from gaitflow.report.state_space import draw_state_space
+from gaitflow.report.tables import (
+    effort_table,
+    gait_table,
+    infeasible_table,
+    learning_table,
+    number,
+    percent,
+    provenance_table,
+    tie_table,
+)
+from gaitflow.report.winners import central, winners
+from gaitflow.scenario import Scenario
+from gaitflow.solve.solution import Solution
+
+PAGE = "index.html"
+MAX_GAITS = 12  # gaits drawn in detail, those that win most tasks
+
+
+def write_report(
+    folder: Path,
+    scenario: Scenario,
+    labels: pd.DataFrame,
+    solutions: Sequence[Solution],
+    gaits: Sequence[str],
+    select: Select | None,
+    learning: Mapping[str, Any] | None,
+    record: Mapping[str, Any],
+) -> list[Path]:
+    """Write map.png, gaits.png, state_space.png, a motion-<gait>.png a gait and index.html; return their paths.
+
+    `labels` is the labels frame (`gaitflow.dataset.labels`), `select` the classifier's decision as an index into
+    `gaits`, `learning` the data of `Training.as_data()`, `record` the dataset's provenance. `select` and `learning`
+    are None when no classifier was trained. Raises ValueError when `labels` is empty, WriteError when the disk refuses.
+    """
+    regions = winners(labels, solutions)
+    largest = sorted(regions, key=lambda name: -len(regions[name]))[:MAX_GAITS]
+    shown = {name: region for name, region in regions.items() if region and name in largest}
+    figures = {"map": draw_gait_map(labels, gaits, select, scenario.description or scenario.name)}
+    motions = {}
+    if shown:
+        figures["gaits"] = draw_gait_diagrams(shown, scenario.robot.leg_names)
+        figures["state_space"] = draw_state_space(shown)
+        colours = gait_colours([*gaits, *regions])
+        motions = {
+            f"motion-{_slug(name, place)}": draw_motion(central(region), scenario, name, colours[name])
+            for place, (name, region) in enumerate(shown.items())
+        }
+    images = {name: png_of(figure) for name, figure in (figures | motions).items()}
+    html = render_page(
+        scenario.name,
+        scenario.description,
+        _highlights(labels, learning),
+        _sections(scenario, labels, solutions, learning, record, images, tuple(motions)),
+    )
+    files = {f"{name}.png": image for name, image in images.items()} | {PAGE: html.encode("utf-8")}
+    for name, content in files.items():
+        atomic_write(folder / name, content)
+    return [folder / name for name in files]
+
+
+def png_of(figure: Figure) -> bytes:
+    """The figure as PNG at 150 dpi, without a time stamp so that equal figures have equal bytes."""
+    buffer = io.BytesIO()
+    FigureCanvasAgg(figure)
+    figure.savefig(buffer, format="png", dpi=150, facecolor="white", metadata={"Software": "gaitflow"})
+    return buffer.getvalue()
+
+
+def _slug(name: str, place: int) -> str:
+    # A gait without a name is called by its diagram, which is no file name.
+    return name if re.fullmatch(r"[a-z]+(-[a-z]+)*", name) else f"{place + 1}"
+
+
+def _highlights(labels: pd.DataFrame, learning: Mapping[str, Any] | None) -> list[tuple[str, str]]:
+    solved = labels[labels["status"] == "solved"]
+    pairs = [
+        ("grid tasks", str(int((labels["split"] == "grid").sum()))),
+        ("held-out tasks", str(int((labels["split"] != "grid").sum()))),
+        ("gaits that win somewhere", str(solved["gait"].nunique())),
+        ("infeasible tasks", str(len(labels) - len(solved))),
+        ("tasks with ties", str(int((labels["ties"].map(len) > 1).sum()))),
+    ]
+    if learning is not None:
+        quality = next(one for one in learning["competitors"] if one["method"] == learning["method"])
+        judged = quality["held_out"] if quality["held_out"]["tasks"] else quality["cross_validation"]
+        pairs += [("classifier published", learning["method"]), ("mean cost regret", percent(judged["regret_mean"]))]
+    return pairs
+
+
+def _sections(
+    scenario: Scenario,
+    labels: pd.DataFrame,
+    solutions: Sequence[Solution],
+    learning: Mapping[str, Any] | None,
+    record: Mapping[str, Any],
+    images: Mapping[str, bytes],
+    motions: Sequence[str],
+) -> list[Section]:
+    def pictures(*names: str, caption: str = "") -> tuple[Picture, ...]:
+        return tuple(Picture(images[name], caption) for name in names if name in images)
+
+    ties, missing = tie_table(labels), infeasible_table(labels)
+    tolerance = percent(scenario.learning.tie_tolerance)
+    none = f"No task has gaits within {tolerance} of each other."
+    judged = ("No classifier was trained.",)
+    if learning is not None:
+        numbers = "Numbers are on the cross-validation folds / on the held-out tasks; the published method is marked."
+        judged = (f"How the winner is chosen: {learning['rule']}", numbers, *learning["remarks"])
+    return [
+        Section("The scenario", _in_words(scenario)),
+        Section(
+            "Gait map",
+            pictures=pictures("map", caption="Regions: the classifier's choice. Markers: the gait that costs least."),
+        ),
+        Section(
+            "Gaits",
+            ("The margin is how much dearer the next best gait is.",),
+            pictures("gaits", caption="When each leg stands, with the mean phase durations of the gait's tasks."),
+            gait_table(labels, scenario.robot.leg_names),
+        ),
+        Section(
+            "State space",
+            ("Trajectories of one gait look alike, which is why their mean is a good start for an optimiser.",),
+            pictures("state_space", caption="A line a task; bold is the mean of the gait's most common pattern."),
+        ),
+        Section(
+            "Motions",
+            ("The task nearest the middle of each region. Red arrows are contact forces.",),
+            tuple(Picture(images[name], name.removeprefix("motion-")) for name in motions),
+        ),
+        Section("Classifiers", judged, table=None if learning is None else learning_table(learning)),
+        Section("Ties", (f"Gaits within {tolerance} of the least cost tie." if ties.rows else none,), table=ties),
+        Section(
+            "Infeasible tasks",
+            () if missing.rows else ("Every task has a feasible gait.",),
+            table=missing,
+        ),
+        Section("Solves", table=effort_table(solutions)),
+        Section("Provenance", table=provenance_table(record)),
+    ]
+
+
+def _in_words(scenario: Scenario) -> tuple[str, ...]:
+    robot, terrain, settings, tasks = scenario.robot, scenario.terrain, scenario.transcription, scenario.tasks
+    weights = {name.replace("_", " "): weight for name, weight in scenario.objective.as_data().items() if weight}
+    stances = "any number of stances" if scenario.stances_per_leg is None else "one stance"
+    return (
+        f"Robot {robot.name}: {number(robot.mass)} kg, {len(robot.legs)} legs ({', '.join(robot.leg_names)}), "
+        f"{robot.dimension}D. Terrain: slope {terrain.slope_deg:g}°, friction {terrain.friction:g}.",
+        "Objective, weight by term: " + ", ".join(f"{name} {weight:g}" for name, weight in weights.items()) + ".",
+        f"{settings.phases} phases of {settings.knots_per_phase} knots, {settings.integrator}, each at least "
+        f"{percent(settings.min_phase_fraction)} of the cycle; {stances} a leg and cycle.",
+        f"Tasks: {tasks.speed.count} speeds from {tasks.speed.start:g} to {tasks.speed.stop:g} m/s by "
+        f"{tasks.cycle_duration.count} cycle durations from {tasks.cycle_duration.start:g} to "
+        f"{tasks.cycle_duration.stop:g} s, and {tasks.held_out} held-out tasks between. "
+        f"Search: {scenario.strategy.name}.",
+    )

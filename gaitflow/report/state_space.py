@@ -1,0 +1,75 @@
+"""State-space trajectories of whole regions, in the manner of Fig. 6 and 10."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from gaitflow.report.winners import most_common_pattern, trajectory_of
+from gaitflow.solve.solution import Solution
+from gaitflow.trajectory import Array
+
+LABELS = (("height z [m]", "ż [m/s]"), ("pitch θ [rad]", "pitch rate [rad/s]"))
+MEAN_COLOUR = "#D1007A"
+
+
+def draw_state_space(regions: Mapping[str, Sequence[Solution]]) -> Figure:
+    """One row a gait: height against its rate and pitch against its rate, a line a task coloured by speed.
+
+    The bold line is the region's mean, knot by knot, over the tasks that share its most common pattern: the nominal
+    motion that starts an optimiser (section IV.B). Gaits without a trajectory are left out. Raises ValueError when
+    none is left.
+    """
+    shown = {name: region for name, region in regions.items() if region}
+    if not shown:
+        raise ValueError("no gait has a stored trajectory; pass solutions with trajectories")
+    speeds = [solution.speed for region in shown.values() for solution in region]
+    shade = ScalarMappable(Normalize(min(speeds), max(speeds)), colormaps["viridis"])
+    colours = dict(zip(speeds, shade.to_rgba(np.array(speeds)), strict=True))
+    figure = Figure(figsize=(8.4, 0.4 + 2.5 * len(shown)), dpi=150, layout="constrained")
+    grid = figure.subplots(len(shown), 2, squeeze=False)
+    for (name, region), row in zip(shown.items(), grid, strict=True):
+        for axes, plane, labels in zip(row, (0, 1), LABELS, strict=True):
+            _draw_plane(axes, region, plane, colours)
+            axes.set_xlabel(labels[0], fontsize=10)
+            axes.set_ylabel(labels[1], fontsize=10)
+        row[0].set_title(name, fontsize=11, loc="left")
+        row[1].set_title(f"{len(region)} tasks", fontsize=9, loc="right", color="#555555")
+    bar = figure.colorbar(shade, ax=grid, location="right", aspect=20 * len(shown), pad=0.02)
+    bar.set_label("speed v [m/s]", fontsize=10)
+    return figure
+
+
+def _draw_plane(axes: Axes, region: Sequence[Solution], plane: int, colours: Mapping[float, Array]) -> None:
+    for solution in region:
+        x, y = height_and_pitch(trajectory_of(solution).base)[plane]
+        axes.plot(x, y, color=colours[solution.speed], linewidth=0.9, alpha=0.8)
+    loops = [height_and_pitch(trajectory_of(solution).base)[plane] for solution in most_common_pattern(region)]
+    x, y = np.mean(loops, axis=0)
+    axes.plot(x, y, color="white", linewidth=4.2)
+    axes.plot(x, y, color=MEAN_COLOUR, linewidth=2.4)
+    axes.tick_params(labelsize=9)
+    axes.xaxis.set_major_locator(MaxNLocator(5))
+    axes.yaxis.set_major_locator(MaxNLocator(5))
+    axes.grid(color="#e4e4e4", linewidth=0.6)
+    axes.set_axisbelow(True)
+
+
+def height_and_pitch(base: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
+    """((z, its rate), (pitch, its rate)), each [K+1], of base states [K+1, nb] with nb = 6 or 12.
+
+    In space pitch is the second of three angles, and its rate is taken as the second angular velocity.
+    Raises ValueError for another nb.
+    """
+    if base.shape[1] not in (6, 12):
+        raise ValueError(f"base states have {base.shape[1]} columns; 6 (plane) or 12 (space) are expected")
+    half = base.shape[1] // 2
+    position, angle = (1, 2) if half == 3 else (2, 4)
+    return (base[:, position], base[:, half + position]), (base[:, angle], base[:, half + angle])

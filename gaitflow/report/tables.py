@@ -1,0 +1,137 @@
+"""The tables of the report, as text: gaits, ties, infeasible tasks, effort, classifiers, provenance."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import pandas as pd
+
+from gaitflow.gaits import Pattern, diagram
+from gaitflow.report.palette import ordered_gaits
+from gaitflow.solve.solution import Solution
+
+RESIDUAL = "residual"  # optional column of the labels: how far the motion is off between its knots, scaled
+QUALITIES = (
+    ("accuracy", "accuracy"),
+    ("macro_f1", "macro F1"),
+    ("top1_beyond_ties", "right but for ties"),
+    ("regret_mean", "mean regret"),
+    ("infeasible_rate", "infeasible picks"),
+)
+STATUSES = ("solved", "infeasible", "failed", "screened")
+
+
+@dataclass(frozen=True)
+class Table:
+    """Text in rows; `marked` is the index of a row to stand out."""
+
+    columns: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...] = field(default=())
+    marked: int | None = None
+
+
+def number(value: float | None) -> str:
+    """A number with 3 significant digits; "–" where there is none, "∞" for infinity."""
+    if value is None or math.isnan(value):
+        return "–"
+    return "∞" if math.isinf(value) else f"{value:.3g}" if abs(value) < 1000 else f"{value:,.0f}"
+
+
+def percent(value: float | None) -> str:
+    """A fraction in per cent with 3 significant digits."""
+    return number(value) if value is None or not math.isfinite(value) else f"{number(100 * value)} %"
+
+
+def gait_table(labels: pd.DataFrame, leg_names: Sequence[str]) -> Table:
+    """A row a gait: its diagram, tasks won, range of costs, mean margin to the runner-up; residuals when given.
+
+    The mean is over tasks that have a runner-up, held-out tasks included.
+    """
+    solved = labels[labels["status"] == "solved"]
+    with_residual = RESIDUAL in labels.columns
+    columns = ["gait", "pattern", "grid tasks", "held-out tasks", "cost", "mean margin", "ties"]
+    rows = []
+    for name in ordered_gaits(solved["gait"]):
+        won = solved[solved["gait"] == name]
+        margins = won["margin"][won["margin"].map(math.isfinite)]
+        row = [
+            name,
+            diagram(Pattern.from_text(won["gait_key"].iloc[0]), leg_names),
+            str(int((won["split"] == "grid").sum())),
+            str(int((won["split"] != "grid").sum())),
+            f"{number(won['cost'].min())} to {number(won['cost'].max())}",
+            percent(float(margins.mean())),
+            str(int((won["ties"].map(len) > 1).sum())),
+        ]
+        rows.append((*row, number(float(won[RESIDUAL].max()))) if with_residual else tuple(row))
+    return Table((*columns, "worst residual between knots") if with_residual else tuple(columns), tuple(rows))
+
+
+def tie_table(labels: pd.DataFrame) -> Table:
+    """A row a task at which gaits tie, cheapest gait first, with the label that is learnt."""
+    tied = labels[labels["ties"].map(len) > 1].sort_values(["split", "speed", "cycle_duration"])
+    rows = [
+        (*_task(row), ", ".join(row["ties"]), percent(row["margin"]), row["label"]) for row in tied.to_dict("records")
+    ]
+    return Table(("v [m/s]", "T [s]", "split", "gaits that tie", "margin", "learnt as"), tuple(rows))
+
+
+def infeasible_table(labels: pd.DataFrame) -> Table:
+    """A row a task without any feasible gait."""
+    missing = labels[labels["status"] != "solved"].sort_values(["split", "speed", "cycle_duration"])
+    return Table(("v [m/s]", "T [s]", "split"), tuple(_task(row) for row in missing.to_dict("records")))
+
+
+def _task(row: Mapping[Any, Any]) -> tuple[str, str, str]:
+    return f"{row['speed']:.4g}", f"{row['cycle_duration']:.4g}", str(row["split"]).replace("_", "-")
+
+
+def effort_table(solutions: Iterable[Solution]) -> Table:
+    """How the solves ended, what they took, and the worst violation among those that count as solved."""
+    counts: Counter[str] = Counter()
+    solves, cpu, worst = 0, 0.0, -math.inf
+    for solution in solutions:
+        counts[solution.status] += 1
+        solves += solution.solves
+        cpu += solution.cpu_s
+        if solution.status == "solved":
+            worst = max(worst, solution.violation)
+    rows = [(status, f"{counts[status]:,}") for status in STATUSES]
+    rows += [("solver calls", f"{solves:,}"), ("solver CPU time", f"{number(cpu / 60)} min")]
+    rows += [("worst scaled violation of a solved task", number(worst if counts["solved"] else None))]
+    return Table(("patterns at tasks", "count"), tuple(rows))
+
+
+def learning_table(learning: Mapping[str, Any]) -> Table:
+    """A row a method, the published one marked; `learning` is `Training.as_data()`.
+
+    A cell has two numbers: on the cross-validation folds / on the held-out tasks. Regret is the cost of the pick over
+    the least cost, minus one.
+    """
+    rows = []
+    for one in learning["competitors"]:
+        judged = [(one["cross_validation"][key], one["held_out"][key]) for key, _ in QUALITIES]
+        rows.append((one["method"], *(f"{percent(folds)} / {percent(held_out)}" for folds, held_out in judged)))
+    methods = [row[0] for row in rows]
+    return Table(("method", *(title for _, title in QUALITIES)), tuple(rows), methods.index(learning["method"]))
+
+
+def provenance_table(record: Mapping[str, Any]) -> Table:
+    """What made the dataset: `record` is the provenance record of its file (gaitflow.dataset.provenance)."""
+    rows = [
+        ("scenario digest", record["scenario_digest"]),
+        ("units of work", f"{record['units']}, digest {record['units_digest']}"),
+    ]
+    for maker in record["made_by"]:
+        code = maker["code"]
+        state = ", with uncommitted changes" if code.get("dirty") else ""
+        rows += [
+            ("code", f"gaitflow {code['version']}, commit {code.get('commit') or 'unknown'}{state}"),
+            ("packages", ", ".join(f"{name} {version}" for name, version in maker["packages"].items())),
+            ("machine", f"{maker['cpu']}, {maker['system']}, Python {maker['python']}"),
+        ]
+    return Table(("what", "value"), (*rows, ("collected", record["created"])))

@@ -1,0 +1,67 @@
+"""The solution behind each label: the trajectories that make up the region of a gait."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+import pandas as pd
+
+from gaitflow.report.palette import ordered_gaits
+from gaitflow.solve.solution import Solution
+from gaitflow.trajectory import Array, Trajectory
+
+
+def winners(labels: pd.DataFrame, solutions: Iterable[Solution]) -> dict[str, list[Solution]]:
+    """Of each gait, in legend order, the best solutions of the tasks it wins, by rising speed and cycle duration.
+
+    A solution belongs to a label when task, split and pattern agree; of several the cheapest. Solutions without a
+    trajectory are left out, so a gait whose trajectories were not stored has an empty list.
+    """
+    best: dict[tuple[object, ...], Solution] = {}
+    for solution in solutions:
+        key = _key(solution.speed, solution.cycle_duration, solution.split, solution.pattern)
+        usable = solution.status == "solved" and solution.trajectory is not None
+        if usable and (key not in best or solution.cost < best[key].cost):
+            best[key] = solution
+    solved = labels[labels["status"] == "solved"].sort_values(["speed", "cycle_duration"], kind="stable")
+    regions: dict[str, list[Solution]] = {name: [] for name in ordered_gaits(solved["gait"])}
+    for row in solved.to_dict("records"):
+        solution_of_task = best.get(_key(row["speed"], row["cycle_duration"], row["split"], row["pattern"]))
+        if solution_of_task is not None:
+            regions[row["gait"]].append(solution_of_task)
+    return regions
+
+
+def _key(speed: float, cycle_duration: float, split: object, pattern: object) -> tuple[object, ...]:
+    return round(speed, 9), round(cycle_duration, 9), split, pattern
+
+
+def trajectory_of(solution: Solution) -> Trajectory:
+    """The solution's trajectory. Raises ValueError when none was stored."""
+    if solution.trajectory is None:
+        raise ValueError(
+            f"the solution at {solution.speed:g} m/s, {solution.cycle_duration:g} s has no trajectory to draw; "
+            "pass solutions whose status is 'solved'"
+        )
+    return solution.trajectory
+
+
+def most_common_pattern(region: Sequence[Solution]) -> list[Solution]:
+    """The solutions of a region that share its most common pattern, so that their phases and knots correspond."""
+    pattern = Counter(solution.pattern for solution in region).most_common(1)[0][0]
+    return [solution for solution in region if solution.pattern == pattern]
+
+
+def mean_phase_fractions(region: Sequence[Solution]) -> Array:
+    """Mean phase durations as fractions of the cycle [phases], over solutions of one pattern."""
+    durations = np.array([trajectory_of(solution).durations for solution in region])
+    return np.asarray((durations / durations.sum(axis=1, keepdims=True)).mean(axis=0))
+
+
+def central(region: Sequence[Solution]) -> Solution:
+    """The solution whose task lies nearest the middle of the region, speed and duration scaled to its spread."""
+    tasks = np.array([(solution.speed, solution.cycle_duration) for solution in region])
+    spread = np.maximum(np.ptp(tasks, axis=0), 1e-9)
+    return region[int(np.argmin(np.linalg.norm((tasks - tasks.mean(axis=0)) / spread, axis=1)))]

@@ -1,0 +1,225 @@
+"""A small map of the half-cheetah as the paper's Fig. 4a describes it, with motions that look like gaits.
+
+The trajectories are drawn by hand-made formulas (half-sine forces that carry the weight, feet that follow the ground),
+not solved: the report must show whatever it is given.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from gaitflow.gaits import Pattern, gait_name, gait_of
+from gaitflow.scenario import Scenario, load_scenario
+from gaitflow.solve.solution import Solution
+from gaitflow.trajectory import Trajectory
+
+CONFIGS = Path(__file__).parents[2] / "configs"
+PATTERNS = {
+    "walking": "0111/1101",
+    "gallop": "0110/1100",
+    "bounding": "0001/0100",
+    "pronking": "0110/0100",
+    "gallop-walk": "0011/0110",
+    "gallop-bound": "0010/0100",
+}
+GRAVITY = 9.81
+SPEEDS = np.round(np.linspace(0.1, 2.3, 12), 9)
+DURATIONS = np.round(np.linspace(0.4, 1.6, 7), 9)
+
+
+def paper_gait(speed: float, duration: float) -> str:
+    """Section IV.A's words on Fig. 4a as a rule."""
+    if speed <= 0.3:
+        return "walking"
+    if speed <= 0.7:
+        return "gallop-walk"
+    if duration >= 1.2 and speed >= 1.7:
+        return "bounding"
+    if duration >= 1.2 and speed >= 1.5:
+        return "gallop-bound"
+    if speed <= 0.9 and 0.8 <= duration <= 1.0:
+        return "pronking"
+    return "gallop"
+
+
+def label_row(speed: float, duration: float, gait: str, split: str = "grid") -> dict[str, object]:
+    pattern = PATTERNS[gait]
+    slow = speed < 0.2
+    return {
+        "speed": speed,
+        "cycle_duration": duration,
+        "split": split,
+        "status": "solved",
+        "gait": gait,
+        "gait_key": gait_of(Pattern.from_text(pattern)).text,
+        "pattern": pattern,
+        "cost": 9000.0 * duration * (1 + 0.3 * speed),
+        "margin": 4e-4 if slow else 0.02 * (1 + speed),
+        "runner_up": "gallop-walk" if gait == "walking" else "walking",
+        "ties": [gait, "gallop-walk"] if slow else [gait],
+        "label": gait,
+    }
+
+
+def make_labels(rule=paper_gait, speeds=SPEEDS, durations=DURATIONS) -> pd.DataFrame:
+    return pd.DataFrame([label_row(float(v), float(t), rule(v, t)) for v in speeds for t in durations])
+
+
+def infeasible_row(speed: float, duration: float) -> dict[str, object]:
+    empty = dict.fromkeys(["gait", "gait_key", "pattern", "runner_up", "label"], "")
+    task = {"speed": speed, "cycle_duration": duration, "split": "grid", "status": "infeasible"}
+    return {**task, **empty, "cost": np.nan, "margin": np.nan, "ties": []}
+
+
+def make_trajectory(scenario: Scenario, speed: float, duration: float, pattern: str) -> Trajectory:
+    robot, knots = scenario.robot, scenario.transcription.knots_per_phase
+    rows = pattern.split("/")
+    phases = len(rows[0])
+    fractions = 1 + 0.3 * np.sin(speed + np.arange(phases))
+    durations = duration * fractions / fractions.sum()
+    steps = np.repeat(durations / knots, knots)
+    times = np.concatenate([[0.0], np.cumsum(steps)])
+    stance = np.array([np.repeat([int(c) for c in row], knots) for row in rows], dtype=bool).T
+    starts = np.concatenate([[0.0], np.cumsum(durations)])[:-1]
+    forces = np.zeros((len(steps), len(rows), 2))
+    feet = np.zeros((len(times), len(rows), 2))
+    for leg, row in enumerate(rows):
+        # Cut at a swing phase, so that the stance is one piece of the cycle.
+        first = next(i for i in range(phases) if row[i] == "1" and row[i - 1] == "0")
+        standing = sum(durations[i] for i in range(phases) if row[i] == "1")
+        phase = np.mod(times - starts[first], duration)
+        forces[:, leg, 1] = np.where(stance[:, leg], np.sin(np.pi * np.clip(phase[:-1] / standing, 0, 1)) + 0.05, 0)
+        share = np.clip((phase - standing) / (duration - standing), 0, 1)
+        hip = robot.legs[leg].default_foot[0]
+        travel = np.where(phase <= standing, standing / 2 - phase, (share - 0.5) * standing)
+        feet[:, leg, 0] = hip + speed * (times + travel)
+        feet[:, leg, 1] = 0.12 * np.sin(np.pi * share)
+    forces *= robot.mass * GRAVITY * duration / (forces[:, :, 1].sum(axis=1) @ steps)
+    forces[:, :, 0] = 0.15 * forces[:, :, 1] * np.cos(2 * np.pi * times[:-1, None] / duration)
+    base = np.zeros((len(times), 6))
+    base[:, 0], base[:, 3] = speed * times, speed
+    rise = np.cumsum(np.concatenate([[0], steps * (forces[:, :, 1].sum(axis=1) / robot.mass - GRAVITY)]))
+    base[:, 4] = rise - np.trapezoid(rise, times) / duration
+    base[:, 1] = 0.5 + np.concatenate([[0], np.cumsum(steps * base[:-1, 4])])
+    base[:, [1, 4]] *= 0.05 / max(np.ptp(base[:, 1]), 1e-9)
+    base[:, 1] += 0.5 - base[:, 1].mean()
+    base[:, 2] = 0.05 * (1 + speed) * np.sin(2 * np.pi * times / duration)
+    base[:, 5] = np.gradient(base[:, 2], times)
+    return Trajectory(times, base, feet, forces, np.gradient(feet, times, axis=0)[:-1], durations)
+
+
+def make_solution(scenario: Scenario, row: dict) -> Solution:
+    speed, duration, pattern = row["speed"], row["cycle_duration"], row["pattern"]
+    return Solution(
+        speed=speed,
+        cycle_duration=duration,
+        split=row["split"],
+        pattern=pattern,
+        gait=row["gait_key"],
+        strategy="patterns",
+        start="neighbour",
+        seed=0,
+        status="solved",
+        solver_status="Solve_Succeeded",
+        cost=row["cost"],
+        violation=3e-9,
+        iterations=20,
+        solves=1,
+        wall_s=0.03,
+        cpu_s=0.03,
+        trajectory=make_trajectory(scenario, speed, duration, pattern),
+    )
+
+
+def without_trajectory(solution: Solution, status: str) -> Solution:
+    changed = {"status": status, "pattern": "1111/0000", "cost": float("nan"), "violation": float("nan")}
+    return Solution(**{**vars(solution), **changed, "trajectory": None})
+
+
+@pytest.fixture(scope="session")
+def scenario() -> Scenario:
+    return load_scenario(CONFIGS / "scenarios" / "half-cheetah-flat-effort.yaml")
+
+
+@pytest.fixture(scope="session")
+def labels() -> pd.DataFrame:
+    """The grid of Fig. 4a, one task of it infeasible, the slowest ones tied, and 25 held-out tasks."""
+    rng = np.random.default_rng(7)
+    rows = make_labels().to_dict("records")
+    rows[6] = infeasible_row(0.1, 1.6)
+    for _ in range(25):
+        v, t = float(rng.uniform(0.1, 2.3)), float(rng.uniform(0.4, 1.6))
+        rows.append(label_row(v, t, paper_gait(v, t), "held_out"))
+    return pd.DataFrame(rows)
+
+
+@pytest.fixture(scope="session")
+def solutions(scenario: Scenario, labels: pd.DataFrame) -> list[Solution]:
+    """The solution of each label, and the other ends that a pattern's solve can come to."""
+    rows = labels[labels["status"] == "solved"].to_dict("records")
+    solved = [make_solution(scenario, row) for row in rows]
+    others = [without_trajectory(solved[0], status) for status in ("screened", "screened", "infeasible", "failed")]
+    return solved + others
+
+
+@pytest.fixture(scope="session")
+def gaits() -> list[str]:
+    return sorted(PATTERNS)
+
+
+@pytest.fixture(scope="session")
+def select(gaits: list[str]):
+    """The rule as a classifier would answer it."""
+
+    def answer(speeds: np.ndarray, durations: np.ndarray) -> np.ndarray:
+        return np.array([gaits.index(paper_gait(v - 0.1, t + 0.1)) for v, t in zip(speeds, durations, strict=True)])
+
+    return answer
+
+
+def test_fixture_gaits_have_the_names_of_figure_5() -> None:
+    assert {gait_name(Pattern.from_text(text), ("F", "H")) for text in PATTERNS.values()} == set(PATTERNS)
+
+
+def quality(accuracy: float) -> dict[str, float | int | None]:
+    return {
+        "tasks": 40,
+        "accuracy": accuracy,
+        "macro_f1": accuracy - 0.03,
+        "top1_beyond_ties": accuracy + 0.02,
+        "regret_mean": 0.0021,
+        "regret_p95": 0.011,
+        "infeasible_rate": 0.0,
+        "infeasible_top2": None,
+    }
+
+
+@pytest.fixture(scope="session")
+def learning() -> dict:
+    competitors = [
+        {"method": name, "cross_validation": quality(value), "held_out": quality(value - 0.01)}
+        for name, value in (("mlp", 0.95), ("svm", 0.93), ("forest", 0.9), ("knn", 0.88))
+    ]
+    return {"method": "svm", "rule": "the least regret", "remarks": ["one fold is small"], "competitors": competitors}
+
+
+@pytest.fixture(scope="session")
+def record(scenario: Scenario) -> dict:
+    maker = {
+        "code": {"version": "0.1.0", "commit": "0123abc", "dirty": True},
+        "packages": {"casadi": "3.8.2", "numpy": "2.4.6"},
+        "python": "3.11.2",
+        "system": "Linux x86_64",
+        "cpu": "Example CPU",
+    }
+    return {
+        "scenario_digest": scenario.problem_digest,
+        "units": 14,
+        "units_digest": "ab" * 32,
+        "made_by": [maker],
+        "created": "2026-01-01T00:00:00+00:00",
+    }
