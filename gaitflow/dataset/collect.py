@@ -1,0 +1,95 @@
+"""Merging the parts of a run into one dataset file whose rows do not depend on who solved what when."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from gaitflow.dataset.provenance import dataset_record, read_record
+from gaitflow.dataset.schema import HEAVY, SCALARS, Sizes, solution_schema
+from gaitflow.dataset.store import DamagedPart, UnitStore, write_sealed
+from gaitflow.dataset.units import Unit, plan_units
+from gaitflow.files import new_file
+from gaitflow.scenario import Scenario
+
+ORDER = ["split", "cycle_duration", "speed", "pattern", "seed", "start"]
+TASK = ["split", "cycle_duration", "speed"]
+ROWS_PER_GROUP = 2000  # rows held in memory at a time
+OPEN_PARTS = 8
+
+
+class NotComplete(ValueError):
+    """Units are missing or damaged, so that there is no dataset yet; the message says how many, and what to do."""
+
+
+def collect(
+    store: UnitStore, scenario: Scenario, target: Path | None = None, keep_trajectories: int | None = None
+) -> Path:
+    """Merge every unit of `scenario` into one file, `<store>/solutions.parquet` by default, and return its path.
+
+    Rows are sorted by (split, T, v, pattern, seed, start). With `keep_trajectories=N` only the cheapest solved row of
+    each of the N cheapest gaits of a task keeps its trajectory and multipliers; the others have nulls there. Every
+    part is checked; a bad one goes to quarantine. Raises NotComplete, WriteError.
+    """
+    units = plan_units(scenario)
+    stored = store.solved()
+    missing = sum(unit.digest not in stored for unit in units)
+    if missing:
+        raise NotComplete(f"{scenario.name}: {missing} of {len(units)} units are not solved yet; solve them first")
+    damaged = store.validate_all(units)
+    if damaged:
+        raise NotComplete(
+            f"{scenario.name}: {len(damaged)} damaged part(s) went to {store.folder / 'quarantine'}; solve again. "
+            f"The first: {next(iter(damaged.values()))}"
+        )
+    try:
+        rows = _scalars(store, units)
+        rows["keep"] = True if keep_trajectories is None else _cheapest(rows, keep_trajectories)
+        rows = rows.sort_values(ORDER, kind="stable", ignore_index=True)
+        records = [read_record(pq.read_metadata(store.path(unit.digest)).metadata, unit.digest) for unit in units]
+        target = target or store.folder / "solutions.parquet"
+        read = functools.lru_cache(maxsize=OPEN_PARTS)(lambda index: store.read(units[index]))
+        schema = solution_schema(Sizes.of(scenario))
+        with new_file(target, replace=True) as file:
+            record = dataset_record(scenario, [unit.digest for unit in units], records)
+            write_sealed(file, schema, _tables(rows, read, schema), record)
+    except DamagedPart as error:
+        raise NotComplete(f"{scenario.name}: a part changed while it was collected: {error}") from None
+    return target
+
+
+def _scalars(store: UnitStore, units: Sequence[Unit]) -> pd.DataFrame:
+    """Scalar columns of all rows, with where each row is: `unit` (index) and `row` in its part."""
+    frames = []
+    for index, unit in enumerate(units):
+        frame = store.read(unit, columns=list(SCALARS)).to_pandas()
+        frames.append(frame.assign(unit=index, row=np.arange(len(frame))))
+    return pd.concat(frames, ignore_index=True)
+
+
+def _cheapest(rows: pd.DataFrame, number: int) -> pd.Series:
+    solved = rows[rows["status"] == "solved"].sort_values(["cost", *ORDER], kind="stable")
+    best = solved.drop_duplicates([*TASK, "gait"])
+    return pd.Series(rows.index.isin(best.groupby(TASK).head(number).index), index=rows.index)
+
+
+def _tables(rows: pd.DataFrame, read: Callable[[int], pa.Table], schema: pa.Schema) -> Iterator[pa.Table]:
+    for start in range(0, len(rows), ROWS_PER_GROUP):
+        block = rows.iloc[start : start + ROWS_PER_GROUP]
+        # One piece per part, then into the block's order.
+        pieces, places = [], []
+        for index, members in block.groupby("unit", sort=True):
+            part = read(int(index))  # type: ignore[arg-type]
+            everything = pa.array(members["row"])
+            kept = pa.array(members["row"], mask=~members["keep"].to_numpy(dtype=bool))
+            columns = [part[name].take(kept if name in HEAVY else everything) for name in schema.names]
+            pieces.append(pa.Table.from_arrays(columns, schema=schema))
+            places.append(members.index.to_numpy() - start)
+        order = np.argsort(np.concatenate(places))
+        yield pa.concat_tables(pieces).take(pa.array(order)).combine_chunks()

@@ -1,0 +1,124 @@
+"""Where a file's numbers come from: scenario or unit, code, package versions, processor, solver options.
+
+The record is JSON under the key `gaitflow` of a Parquet file's metadata. It names no host and no user.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import platform
+import subprocess
+from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import gaitflow
+from gaitflow.dataset.units import Unit, solver_version
+from gaitflow.scenario import Scenario, digest_of
+
+KEY = b"gaitflow"
+FORMAT = 1
+PACKAGES = ("casadi", "numpy", "pyarrow", "pydantic")
+
+
+def unit_record(unit: Unit, solver_options: Mapping[str, Any]) -> dict[str, Any]:
+    """Record of one part of the store: the unit (its JSON is complete), who solved it, and how."""
+    return {
+        "format": FORMAT,
+        "kind": "unit",
+        "unit_digest": unit.digest,
+        "unit": unit.as_data(),
+        "solver_options": dict(solver_options),
+        "made_by": made_by(),
+        "created": _now(),
+    }
+
+
+def dataset_record(scenario: Scenario, digests: Sequence[str], parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """Record of a collected dataset: the scenario whole, and what the records of its parts have in common.
+
+    `parts` are records of units; `made_by` and `solver_options` list the distinct ones, so that a dataset solved on
+    two kinds of machine says so. `units` is how many there are, `units_digest` the digest of their sorted names.
+    """
+    return {
+        "format": FORMAT,
+        "kind": "dataset",
+        "scenario_digest": digest_of(scenario.as_data()),
+        "scenario": scenario.as_data(),
+        "units": len(digests),
+        "units_digest": digest_of(sorted(digests)),
+        "made_by": _distinct([part["made_by"] for part in parts]),
+        "solver_options": _distinct([part["solver_options"] for part in parts]),
+        "collected_by": made_by(),
+        "created": _now(),
+    }
+
+
+def read_record(metadata: Mapping[bytes, bytes] | None, source: str) -> dict[str, Any]:
+    """The record among a Parquet file's key-value metadata. Raises ValueError that names `source` without one we read."""
+    try:
+        record = json.loads((metadata or {})[KEY])
+        kind, number = record["kind"], record["format"]
+    except (KeyError, TypeError, ValueError):
+        raise ValueError(f"{source}: carries no gaitflow record; it is not one of our files") from None
+    if number != FORMAT or kind not in ("unit", "dataset"):
+        raise ValueError(f"{source}: its record is {kind!r} of format {number!r}; this version reads format {FORMAT}")
+    return dict(record)
+
+
+@functools.cache
+def made_by() -> dict[str, Any]:
+    """This process: code version, solver code, package versions, Python, processor model."""
+    return {
+        "code": {"version": gaitflow.__version__, **_commit(), "solver": solver_version()["code"]},
+        "packages": {name: found for name in PACKAGES if (found := _version(name))},
+        "python": platform.python_version(),
+        "system": f"{platform.system()} {platform.machine()}",
+        "cpu": _cpu_model(),
+    }
+
+
+def _commit() -> dict[str, Any]:
+    """Commit and dirty flag when the package runs from its own checkout; nothing when it was installed."""
+    package = Path(gaitflow.__file__).resolve().parent
+    top = _git(package, "rev-parse", "--show-toplevel")
+    if top is None or Path(top).resolve() != package.parent:
+        return {}
+    changes = _git(package, "status", "--porcelain", "--untracked-files=no")
+    return {"commit": _git(package, "rev-parse", "HEAD"), "dirty": bool(changes)}
+
+
+def _git(folder: Path, *arguments: str) -> str | None:
+    try:
+        done = subprocess.run(["git", *arguments], cwd=folder, capture_output=True, text=True, timeout=20, check=True)
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return done.stdout.strip()
+
+
+def _cpu_model() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        lines = []
+    models = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(models, "") or platform.processor() or platform.machine()
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
+
+
+def _distinct(items: list[Any]) -> list[Any]:
+    texts = sorted({json.dumps(item, sort_keys=True) for item in items})
+    return [json.loads(text) for text in texts]
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="seconds")

@@ -1,0 +1,123 @@
+"""The public reader of a dataset of solutions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, overload
+
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from gaitflow.dataset.provenance import read_record
+from gaitflow.dataset.schema import SCALARS, table_to_solutions
+from gaitflow.dataset.seal import check_seal
+from gaitflow.solve.solution import Solution
+from gaitflow.trajectory import Array
+
+FILE_NAME = "solutions.parquet"
+MAX_BYTES = 64 << 30  # of all columns when unpacked
+ROWS_AT_ONCE = 256
+
+
+@dataclass(frozen=True)
+class StoredSolution(Solution):
+    """A `Solution` whose trajectory's arrays are at hand directly; each is None in a row without a trajectory.
+
+    SI units, terrain frame, ground at z = 0. K steps, nb = 6 (plane) or 12 (space), d = 2 or 3.
+    """
+
+    @property
+    def times(self) -> Array | None:
+        """[K+1] s, from 0 to the cycle duration."""
+        return None if self.trajectory is None else self.trajectory.times
+
+    @property
+    def base(self) -> Array | None:
+        """[K+1, nb]: position d [m], angles [rad], velocity d [m/s], angular velocity [rad/s]."""
+        return None if self.trajectory is None else self.trajectory.base
+
+    @property
+    def feet(self) -> Array | None:
+        """[K+1, legs, d] foot positions [m]."""
+        return None if self.trajectory is None else self.trajectory.feet
+
+    @property
+    def forces(self) -> Array | None:
+        """[K, legs, d] contact forces [N], constant over each step."""
+        return None if self.trajectory is None else self.trajectory.forces
+
+    @property
+    def foot_velocities(self) -> Array | None:
+        """[K, legs, d] foot velocities [m/s], constant over each step."""
+        return None if self.trajectory is None else self.trajectory.foot_velocities
+
+    @property
+    def durations(self) -> Array | None:
+        """[phases] s; they add up to the cycle duration."""
+        return None if self.trajectory is None else self.trajectory.durations
+
+
+class Solutions(Sequence[StoredSolution]):
+    """Solutions in the dataset's row order: by split, cycle duration, speed, pattern.
+
+    `table` is the Arrow table, `record` where it comes from (scenario, code, versions; see dataset/provenance.py).
+    """
+
+    def __init__(self, table: pa.Table, record: dict[str, Any]) -> None:
+        self.table = table
+        self.record = record
+
+    def __len__(self) -> int:
+        return int(self.table.num_rows)
+
+    @overload
+    def __getitem__(self, index: int) -> StoredSolution: ...
+    @overload
+    def __getitem__(self, index: slice) -> Solutions: ...
+    def __getitem__(self, index: int | slice) -> StoredSolution | Solutions:
+        if isinstance(index, slice):
+            return Solutions(self.table.take(list(range(len(self))[index])), self.record)
+        row = range(len(self))[index]
+        return next(_stored(self.table.slice(row, 1)))
+
+    def __iter__(self) -> Iterator[StoredSolution]:
+        for start in range(0, len(self), ROWS_AT_ONCE):
+            yield from _stored(self.table.slice(start, ROWS_AT_ONCE))
+
+    def frame(self) -> pd.DataFrame:
+        """The scalar columns as pandas: task, pattern, gait, status, cost, violation, effort; one row a solution."""
+        return self.table.select(list(SCALARS)).to_pandas()
+
+
+def load_solutions(path: str | Path) -> Solutions:
+    """Read the solutions of a dataset: a Parquet file, or the folder (of one version) that holds `solutions.parquet`.
+
+    Gives, a solution: task (`speed` m/s, `cycle_duration` s, `split`), `pattern`, `gait`, `status`, `cost`,
+    `violation`, and when a trajectory is kept `times` [K+1], `base` [K+1, nb], `feet` [K+1, legs, d],
+    `forces` [K, legs, d], `durations` [phases]. `.frame()` gives the scalars as pandas.
+    Raises FileNotFoundError, and ValueError that names the file when it is damaged or not one of ours.
+    """
+    file_path = Path(path)
+    if file_path.is_dir():
+        file_path = file_path / FILE_NAME
+    if not file_path.is_file():
+        raise FileNotFoundError(f"{file_path}: no such dataset; give a .parquet file or the folder of one version")
+    check_seal(file_path)
+    try:
+        with pq.ParquetFile(file_path) as file:
+            record = read_record(file.metadata.metadata, str(file_path))
+            groups = (file.metadata.row_group(i).total_byte_size for i in range(file.metadata.num_row_groups))
+            if sum(groups) > MAX_BYTES:
+                raise ValueError(f"{file_path}: unpacks to more than {MAX_BYTES} bytes")
+            return Solutions(file.read(), record)
+    except pa.ArrowException as error:
+        raise ValueError(f"{file_path}: not a readable Parquet file ({error})") from None
+
+
+def _stored(table: pa.Table) -> Iterator[StoredSolution]:
+    names = [field.name for field in fields(Solution)]
+    for solution in table_to_solutions(table):
+        yield StoredSolution(**{name: getattr(solution, name) for name in names})

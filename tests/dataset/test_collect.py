@@ -1,0 +1,109 @@
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+
+from gaitflow.dataset import collect as module
+from gaitflow.dataset import load_solutions
+from gaitflow.dataset.collect import NotComplete, collect
+from gaitflow.dataset.schema import HEAVY
+from gaitflow.dataset.store import UnitStore
+from gaitflow.dataset.tasks import tasks_of
+from gaitflow.dataset.units import Unit
+from gaitflow.scenario import Scenario, digest_of
+from gaitflow.solve.solution import Solution
+
+Make = Callable[[Unit], list[Solution]]
+
+
+def fill(store: UnitStore, units: tuple[Unit, ...], make_solutions: Make, order_seed: int = 0) -> UnitStore:
+    for unit in random.Random(order_seed).sample(units, len(units)):
+        rows = make_solutions(unit)
+        random.Random(order_seed).shuffle(rows)
+        store.write(unit, rows, {"tol": 1e-9})
+    return store
+
+
+@pytest.mark.parametrize("group", [1, 4, 1000])
+def test_rows_do_not_depend_on_the_order_of_arrival(
+    tmp_path: Path,
+    scenario: Scenario,
+    units: tuple[Unit, ...],
+    make_solutions: Make,
+    group: int,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    first = collect(fill(UnitStore(tmp_path / "a"), units, make_solutions, 1), scenario)
+    monkeypatch.setattr(module, "ROWS_PER_GROUP", group)
+    second = collect(fill(UnitStore(tmp_path / "b"), units, make_solutions, 2), scenario)
+    tables = [pq.read_table(path).drop_columns(["wall_s", "cpu_s"]).to_pylist() for path in (first, second)]
+    assert repr(tables[0]) == repr(tables[1]) and len(tables[0]) == 3 * len(tasks_of(scenario))
+
+
+def test_rows_are_sorted_and_complete(
+    store: UnitStore, scenario: Scenario, units: tuple[Unit, ...], make_solutions: Make
+) -> None:
+    solutions = load_solutions(collect(fill(store, units, make_solutions), scenario))
+    keys = [(row.split, row.cycle_duration, row.speed, row.pattern) for row in solutions]
+    assert keys == sorted(keys) and len(set(keys)) == len(keys)
+    expected = {
+        (row.split, row.cycle_duration, row.speed, row.pattern): row for unit in units for row in make_solutions(unit)
+    }
+    assert set(keys) == set(expected)
+    for key, row in zip(keys, solutions, strict=True):
+        original = expected[key]
+        assert repr(row.cost) == repr(original.cost)
+        assert (row.base is None) == (original.trajectory is None)
+        if original.trajectory is not None:
+            assert (row.base == original.trajectory.base).all() and (row.forces == original.trajectory.forces).all()
+
+
+def test_published_size_keeps_trajectories_of_the_cheapest_gaits(
+    store: UnitStore, scenario: Scenario, units: tuple[Unit, ...], make_solutions: Make
+) -> None:
+    whole = load_solutions(collect(fill(store, units, make_solutions), scenario))
+    small = load_solutions(collect(store, scenario, target=store.folder / "small.parquet", keep_trajectories=1))
+    pd.testing.assert_frame_equal(whole.frame(), small.frame())
+    for _, rows in small.frame().groupby(["split", "cycle_duration", "speed"]):
+        kept = [i for i in rows.index if small[i].trajectory is not None]
+        assert kept == [rows[rows["status"] == "solved"]["cost"].idxmin()]
+        assert small[kept[0]].multipliers is not None
+        assert (small[kept[0]].feet == whole[kept[0]].feet).all()
+    assert small.table.select(HEAVY).nbytes < whole.table.select(HEAVY).nbytes
+
+
+def test_record_holds_the_whole_scenario(
+    store: UnitStore, scenario: Scenario, units: tuple[Unit, ...], make_solutions: Make
+) -> None:
+    record = load_solutions(collect(fill(store, units, make_solutions), scenario)).record
+    assert Scenario.from_data(record["scenario"], "record") == scenario
+    assert record["scenario_digest"] == digest_of(scenario.as_data())
+    assert record["units"] == len(units) and record["solver_options"] == [{"tol": 1e-9}]
+
+
+def test_an_unfinished_run_is_not_collected(
+    store: UnitStore, scenario: Scenario, units: tuple[Unit, ...], make_solutions: Make
+) -> None:
+    fill(store, units[1:], make_solutions)
+    with pytest.raises(NotComplete, match=f"1 of {len(units)} units are not solved"):
+        collect(store, scenario)
+    assert not (store.folder / "solutions.parquet").exists()
+
+
+def test_a_damaged_part_is_named_and_the_old_dataset_stays(
+    store: UnitStore, scenario: Scenario, units: tuple[Unit, ...], make_solutions: Make
+) -> None:
+    target = collect(fill(store, units, make_solutions), scenario)
+    before = target.read_bytes()
+    part = store.path(units[2].digest)
+    part.write_bytes(part.read_bytes()[:500])
+    with pytest.raises(NotComplete, match=f"1 damaged part.*quarantine.*{units[2].digest}"):
+        collect(store, scenario)
+    assert target.read_bytes() == before
+    store.write(units[2], make_solutions(units[2]), {"tol": 1e-9})
+    assert collect(store, scenario) == target

@@ -1,0 +1,80 @@
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from gaitflow.dataset import Solutions, load_solutions
+from gaitflow.dataset.collect import collect
+from gaitflow.dataset.store import UnitStore
+from gaitflow.dataset.units import Unit
+from gaitflow.scenario import Scenario
+from gaitflow.solve.solution import Solution
+
+
+@pytest.fixture
+def dataset(
+    store: UnitStore, scenario: Scenario, units: tuple[Unit, ...], make_solutions: Callable[[Unit], list[Solution]]
+) -> Path:
+    for unit in units:
+        store.write(unit, make_solutions(unit), {})
+    return collect(store, scenario)
+
+
+def test_arrays_have_the_documented_shapes(dataset: Path) -> None:
+    solutions = load_solutions(dataset)
+    (k, legs, d, nb, phases) = (8, 2, 2, 6, 4)
+    solved = [row for row in solutions if row.status == "solved"]
+    assert solved
+    for row in solved:
+        assert row.times.shape == (k + 1,) and row.base.shape == (k + 1, nb) and row.feet.shape == (k + 1, legs, d)
+        assert row.forces.shape == (k, legs, d) and row.foot_velocities.shape == (k, legs, d)
+        assert row.durations.shape == (phases,)
+        assert row.base.dtype == np.float64 and isinstance(row.cost, float) and "/" in row.pattern
+    (infeasible, *_) = [row for row in solutions if row.status == "infeasible"]
+    assert infeasible.times is None and infeasible.base is None and np.isnan(infeasible.violation)
+
+
+def test_it_is_a_sequence(dataset: Path) -> None:
+    solutions = load_solutions(str(dataset.parent))
+    rows = list(solutions)
+    assert len(solutions) == len(rows) == len(solutions.frame())
+    assert solutions[-1].pattern == rows[-1].pattern and solutions[4].speed == rows[4].speed
+    part = solutions[2:8:2]
+    assert isinstance(part, Solutions) and [row.pattern for row in part] == [rows[i].pattern for i in (2, 4, 6)]
+    with pytest.raises(IndexError):
+        solutions[len(rows)]
+
+
+def test_frame_has_the_scalars(dataset: Path) -> None:
+    frame = load_solutions(dataset).frame()
+    assert isinstance(frame, pd.DataFrame)
+    assert {"speed", "cycle_duration", "pattern", "status", "cost", "violation", "cpu_s"} <= set(frame.columns)
+    assert frame["cost"].isna().sum() == (frame["status"] == "infeasible").sum() > 0
+
+
+def test_a_damaged_or_foreign_file_is_refused_by_name(dataset: Path, tmp_path: Path) -> None:
+    data = bytearray(dataset.read_bytes())
+    data[len(data) // 2] ^= 1
+    dataset.write_bytes(data)
+    with pytest.raises(ValueError, match=r"solutions\.parquet: damaged"):
+        load_solutions(dataset)
+    other = tmp_path / "other.parquet"
+    pq.write_table(pa.table({"x": [1]}), other)
+    with pytest.raises(ValueError, match=r"other\.parquet: carries 0 seals"):
+        load_solutions(other)
+    with pytest.raises(FileNotFoundError, match="no such dataset"):
+        load_solutions(tmp_path / "nothing")
+
+
+def test_importing_the_package_loads_nothing_heavy() -> None:
+    code = "import sys, gaitflow.dataset; print({'pyarrow', 'pandas', 'casadi', 'torch', 'dask'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "set()"
