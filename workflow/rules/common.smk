@@ -25,7 +25,7 @@ def parts_of(name):
     except ConfigError as error:
         raise WorkflowError(str(error)) from None
     learning = data.pop("learning")
-    del data["description"]
+    del data["description"], data["robot"]["source"]  # prose
     return {"problem": data, "ties": learning["tie_tolerance"], "learning": learning}
 
 
