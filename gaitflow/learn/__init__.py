@@ -1,0 +1,1 @@
+"""Learning the map from task to gait (section III.C): classifiers, how they are judged, and warm starts."""

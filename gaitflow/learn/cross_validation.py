@@ -1,0 +1,104 @@
+"""Stratified k-fold cross-validation with a search over hyper-parameters, also where some gaits are rare."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from sklearn.base import clone
+from sklearn.model_selection import GridSearchCV, StratifiedKFold
+
+from gaitflow.learn.classifier import (
+    CannotTrain,
+    Floats,
+    GaitClassifier,
+    Integers,
+    calibrated,
+    fit_temperature,
+    frequencies_of,
+    log_loss,
+    scores,
+)
+from gaitflow.learn.methods import PREFIX, Method
+
+Split = tuple[Integers, Integers]  # indices of the tasks to fit to, and of those to test
+
+
+@dataclass(frozen=True)
+class CrossValidated:
+    """A method after cross-validation: the classifier fitted to all tasks, and what its folds said out of sample."""
+
+    classifier: GaitClassifier
+    parameters: dict[str, Any]  # the hyper-parameters chosen
+    tested: Integers  # [m] tasks that were in a test fold
+    probabilities: Floats  # [m, C] calibrated, each from the fit that had not seen the task
+    log_loss_raw: float  # of the scores at `tested` before calibration
+    log_loss: float  # and after
+
+
+def stratified_splits(y: Integers, classes: Sequence[str], folds: int, seed: int) -> tuple[list[Split], list[str]]:
+    """Splits of the tasks with classes y [n] (each of 0..len(classes)-1 occurs), and remarks for the user.
+
+    Every fit knows every class: a gait of a single task is always fitted to and never tested, one of fewer tasks than
+    `folds` is missing from some test folds, and there are never more folds than the most common gait has tasks.
+    Raises CannotTrain when there are fewer than two gaits, or none has two tasks.
+    """
+    counts = np.bincount(y, minlength=len(classes))
+    if len(classes) < 2 or counts.max() < 2:
+        raise CannotTrain(
+            f"{len(y)} tasks with {len(classes)} gaits cannot be cross-validated: "
+            "at least two gaits are needed, one of them at two tasks; take a finer or wider grid of tasks"
+        )
+    remarks = []
+    singles = [name for name, count in zip(classes, counts, strict=True) if count == 1]
+    rare = [f"{name} ({count})" for name, count in zip(classes, counts, strict=True) if 1 < count < folds]
+    if singles:
+        remarks.append(f"gaits of a single task, fitted to but never tested: {', '.join(singles)}")
+    if rare:
+        remarks.append(f"gaits of fewer tasks than the {folds} folds, missing from some of them: {', '.join(rare)}")
+    if counts.max() < folds:
+        remarks.append(f"{counts.max()} folds instead of {folds}: no gait has more tasks")
+    always = np.flatnonzero(counts[y] == 1)
+    others = np.flatnonzero(counts[y] > 1)
+    stratified = StratifiedKFold(min(folds, int(counts.max())), shuffle=True, random_state=seed)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "The least populated class", UserWarning)  # said in the remarks
+        splits = [
+            (np.concatenate([others[fit], always]), others[test])
+            for fit, test in stratified.split(np.zeros(len(others)), y[others])
+        ]
+    return splits, remarks
+
+
+def cross_validate(
+    method: Method, tasks: Floats, y: Integers, classes: tuple[str, ...], splits: Sequence[Split]
+) -> CrossValidated:
+    """Choose the hyper-parameters by mean accuracy over the splits, calibrate on the same, and fit to all tasks.
+
+    tasks [n, 2] raw (m/s, s), y [n] places in `classes`. The folds that chose the hyper-parameters also judge, which
+    flatters every method a little; tasks off the grid are what shows by how much.
+    """
+    tasks = np.asarray(tasks, dtype=np.float32)
+    search = GridSearchCV(
+        method.pipeline, dict(method.grid), scoring="accuracy", cv=list(splits), n_jobs=1, error_score="raise"
+    ).fit(tasks, y)
+    out_of_sample = []
+    for fit, test in splits:
+        pipeline = clone(search.best_estimator_).fit(tasks[fit], y[fit])
+        out_of_sample.append(scores(pipeline, tasks[test], frequencies_of(y[fit], len(classes))))
+    tested = np.concatenate([test for _, test in splits])
+    found = np.concatenate(out_of_sample)
+    temperature = fit_temperature(found, y[tested])
+    return CrossValidated(
+        classifier=GaitClassifier(
+            method.name, classes, search.best_estimator_, frequencies_of(y, len(classes)), temperature
+        ),
+        parameters={key.removeprefix(PREFIX): value for key, value in search.best_params_.items()},
+        tested=tested,
+        probabilities=calibrated(found, temperature),
+        log_loss_raw=log_loss(found, y[tested]),
+        log_loss=log_loss(found, y[tested], temperature),
+    )

@@ -1,0 +1,109 @@
+"""A gait classifier as ONNX, everything folded in: raw task in, calibrated probability out, float32 throughout."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import onnx
+from numpy.typing import NDArray
+from onnx import TensorProto, helper, numpy_helper
+from onnx.utils import Extractor
+from skl2onnx import to_onnx
+from skl2onnx.common.data_types import FloatTensorType
+from sklearn.dummy import DummyClassifier
+
+from gaitflow.learn.classifier import SMOOTHING, GaitClassifier
+from gaitflow.learn.mlp import SeededClassifier
+
+INPUT = "task"  # float32 [n, 2]: speed m/s, cycle duration s
+OUTPUT = "probability"  # float32 [n, classes]
+OPSET = 15
+ML_OPSET = 3
+IR_VERSION = 8  # the oldest that goes with these operator sets, so that older runtimes read it too
+
+Layer = tuple[NDArray[np.floating], NDArray[np.floating]]  # weights [outputs, inputs] and biases [outputs]
+
+
+def to_onnx_bytes(classifier: GaitClassifier) -> bytes:
+    """The classifier as a serialised ONNX model: INPUT -> OUTPUT, the scaler and the temperature within.
+
+    Raises ValueError when a weight would not be float32, which onnx.checker lets pass and onnxruntime refuses.
+    """
+    estimator = classifier.pipeline[-1]
+    if isinstance(estimator, SeededClassifier):
+        graph = _perceptron_graph(_layers(classifier))
+    elif isinstance(estimator, DummyClassifier):
+        graph = _perceptron_graph([(np.zeros((1, 2)), np.zeros(1))])  # softmax of one score is 1
+    else:
+        graph = _converted_graph(classifier)
+    _append_calibration(graph, classifier)
+    opsets = [helper.make_opsetid("", OPSET), helper.make_opsetid("ai.onnx.ml", ML_OPSET)]
+    model = helper.make_model(graph, opset_imports=opsets, ir_version=IR_VERSION, producer_name="gaitflow")
+    onnx.checker.check_model(model, full_check=True)
+    for tensor in graph.initializer:
+        if tensor.data_type == TensorProto.DOUBLE:
+            raise ValueError(f"{classifier.method}: the weight {tensor.name} is float64; export it as float32")
+    return bytes(model.SerializeToString(deterministic=True))
+
+
+def _layers(classifier: GaitClassifier) -> list[Layer]:
+    """The perceptron's layers, the first of them taking raw tasks: W (x - mean) / scale = (W / scale) x - ..."""
+    scaler = classifier.pipeline[0]
+    state = [tensor.double().numpy() for tensor in classifier.pipeline[-1].module_.state_dict().values()]
+    layers = list(zip(state[::2], state[1::2], strict=True))
+    weights, biases = layers[0]
+    weights = weights / scaler.scale_
+    return [(weights, biases - weights @ scaler.mean_), *layers[1:]]
+
+
+def _perceptron_graph(layers: Sequence[Layer]) -> onnx.GraphProto:
+    nodes, weights, value = [], [], INPUT
+    for i, (weight, bias) in enumerate(layers):
+        last = i == len(layers) - 1
+        total = "scores" if last else f"sum_{i}"
+        nodes.append(helper.make_node("Gemm", [value, f"weight_{i}", f"bias_{i}"], [total], transB=1))
+        weights += [_float32(f"weight_{i}", weight), _float32(f"bias_{i}", bias)]
+        if not last:
+            nodes.append(helper.make_node("Relu", [total], [f"hidden_{i}"]))
+            value = f"hidden_{i}"
+    outputs = [helper.make_tensor_value_info("scores", TensorProto.FLOAT, [None, len(layers[-1][1])])]
+    return helper.make_graph(nodes, "gait", [_input()], outputs, weights)
+
+
+def _converted_graph(classifier: GaitClassifier) -> onnx.GraphProto:
+    """What skl2onnx makes of a scikit-learn pipeline, without its label: the output is votes or decision values."""
+    estimator = classifier.pipeline[-1]
+    votes = hasattr(estimator, "predict_proba") and not hasattr(estimator, "decision_function")
+    model = to_onnx(
+        classifier.pipeline,
+        initial_types=[(INPUT, FloatTensorType([None, 2]))],
+        options={id(estimator): {"zipmap": False} | ({} if votes else {"raw_scores": True})},
+        target_opset={"": OPSET, "ai.onnx.ml": ML_OPSET},
+    )
+    kept = model.graph.output[1].name
+    graph: onnx.GraphProto = Extractor(model).extract_model([INPUT], [kept]).graph
+    value = "votes" if votes else "scores"
+    graph.node.append(helper.make_node("Identity", [kept], [value]))
+    if votes:
+        graph.initializer.append(_float32("smoothing", SMOOTHING * np.asarray(classifier.frequencies)))
+        graph.node.append(helper.make_node("Add", [value, "smoothing"], ["smoothed"]))
+        graph.node.append(helper.make_node("Log", ["smoothed"], ["scores"]))
+    return graph
+
+
+def _append_calibration(graph: onnx.GraphProto, classifier: GaitClassifier) -> None:
+    graph.initializer.append(_float32("temperature", np.asarray(classifier.temperature)))
+    graph.node.append(helper.make_node("Div", ["scores", "temperature"], ["calibrated"]))
+    graph.node.append(helper.make_node("Softmax", ["calibrated"], [OUTPUT], axis=1))
+    del graph.output[:]
+    shape = [None, len(classifier.classes)]
+    graph.output.append(helper.make_tensor_value_info(OUTPUT, TensorProto.FLOAT, shape))
+
+
+def _input() -> onnx.ValueInfoProto:
+    return helper.make_tensor_value_info(INPUT, TensorProto.FLOAT, [None, 2])
+
+
+def _float32(name: str, values: NDArray[np.floating]) -> TensorProto:
+    return numpy_helper.from_array(np.ascontiguousarray(values, dtype=np.float32), name)

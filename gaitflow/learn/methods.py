@@ -1,0 +1,52 @@
+"""The methods that compete for a map, with the hyper-parameters that cross-validation chooses from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from sklearn.pipeline import Pipeline
+from sklearn.preprocessing import StandardScaler
+
+from gaitflow.learn.baselines import nearest_neighbours, random_forest, support_vectors
+from gaitflow.learn.mlp import perceptron
+from gaitflow.scenario import Learning
+
+PREFIX = "classify__"  # of the classifier's parameters in the pipeline
+
+
+@dataclass(frozen=True)
+class Method:
+    """A pipeline that standardises raw tasks [n, 2] and classifies them, and the values to try for each parameter."""
+
+    name: str
+    pipeline: Pipeline
+    grid: Mapping[str, list[Any]]
+
+
+def methods(learning: Learning, classes: int, smallest_fit: int) -> tuple[Method, ...]:
+    """The perceptron, SVM, random forest and nearest neighbours, the one that answers fastest first.
+
+    `smallest_fit` is the least number of tasks that one of them is fitted to. Values that regularise most come
+    first: the search takes the first of those that do equally well.
+    """
+    neighbours = [k for k in (5, 3, 7, 1) if k <= smallest_fit]
+    mlp_grid: dict[str, list[Any]] = {
+        "module__hidden": list(learning.hidden_layers),
+        "lr": list(learning.learning_rates),
+        "optimizer__weight_decay": sorted(learning.weight_decays, reverse=True),
+    }
+    mlp = perceptron(classes, learning.hidden_layers[0], learning.max_epochs, learning.seed)
+    forest = random_forest(learning.seed)
+    return (
+        _method("mlp", mlp, mlp_grid),
+        _method("svm", support_vectors(), {"estimator__C": [1.0, 10.0, 100.0], "estimator__gamma": [0.5, 1.0, 2.0]}),
+        _method("forest", forest, {"min_samples_leaf": [3, 1], "max_features": [1, 2]}),
+        _method("knn", nearest_neighbours(), {"n_neighbors": neighbours}),
+    )
+
+
+def _method(name: str, classifier: Any, grid: Mapping[str, list[Any]]) -> Method:
+    pipeline = Pipeline([("scale", StandardScaler()), ("classify", classifier)])
+    return Method(name, pipeline, {PREFIX + key: values for key, values in grid.items()})

@@ -1,0 +1,87 @@
+"""The nominal motion of a gait's region: the mean of its trajectories, as the paper's section IV.B has it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from gaitflow.dataset.labels import MAX_VIOLATION
+from gaitflow.solve.solution import Solution
+from gaitflow.trajectory import Array, Trajectory
+
+TaskKey = tuple[float, float]  # speed m/s, cycle duration s
+
+
+@dataclass(frozen=True)
+class WarmStart:
+    """Where a solver starts for one gait: the means over a region, in the scaled variables of its fixed-gait NLP.
+
+    Being scaled (durations as fractions of the cycle, for one), the means hold for every task of the region.
+    """
+
+    gait: str
+    pattern: str  # full pattern that the means belong to
+    tasks: int  # how many solutions were averaged
+    primal: Array  # [nw] decision vector w
+    bounds: Array  # [nw] multipliers of the variable bounds, CasADi's signs
+    rows: Array  # [ng] multipliers of the constraint rows
+
+
+def region_means(
+    labels: pd.DataFrame, solutions: Iterable[Solution], pack: Callable[[Trajectory, float], Array]
+) -> tuple[WarmStart, ...]:
+    """One warm start a gait that is the `label` of a grid task, sorted by gait.
+
+    A gait's region is the grid tasks with that label. Several full patterns realise the gait: taken is the one that is
+    best at most tasks of the region (then the first as text), and averaged are its solutions at all tasks of the
+    region. `pack(trajectory, cycle_duration)` gives the scaled decision vector [nw]. Solutions without trajectory or
+    multipliers do not count. Raises ValueError naming a gait that has none left.
+    """
+    grid = labels[(labels["split"] == "grid") & (labels["status"] == "solved")]
+    key_of = dict(zip(grid["gait"], grid["gait_key"], strict=True))
+    region = {
+        (float(v), float(t)): (str(gait), key_of[gait])
+        for v, t, gait in zip(grid["speed"], grid["cycle_duration"], grid["label"], strict=True)
+    }
+    by_gait: dict[str, dict[TaskKey, list[Solution]]] = {gait: {} for gait, _ in region.values()}
+    for solution in solutions:
+        task = (solution.speed, solution.cycle_duration)
+        gait, key = region.get(task, ("", ""))
+        if solution.split == "grid" and solution.gait == key and _usable(solution):
+            by_gait[gait].setdefault(task, []).append(solution)
+    return tuple(_mean(gait, by_gait[gait], pack) for gait in sorted(by_gait))
+
+
+def _usable(solution: Solution) -> bool:
+    kept = solution.trajectory is not None and solution.multipliers is not None
+    return kept and solution.status == "solved" and solution.violation <= MAX_VIOLATION
+
+
+def _mean(gait: str, region: dict[TaskKey, list[Solution]], pack: Callable[[Trajectory, float], Array]) -> WarmStart:
+    if not region:
+        raise ValueError(
+            f"gait {gait!r}: no solution of its region holds a trajectory with multipliers, so there is nothing to "
+            "average; solve its tasks again"
+        )
+    best = Counter(min(found, key=lambda one: (one.cost, one.pattern)).pattern for found in region.values())
+    pattern = min(best, key=lambda text: (-best[text], text))
+    # Of several solves of one pattern at a task, the cheapest speaks for it.
+    chosen = [
+        min(same, key=lambda one: one.cost)
+        for _, found in sorted(region.items())
+        if (same := [one for one in found if one.pattern == pattern])
+    ]
+    trajectories = [(one.trajectory, one.cycle_duration) for one in chosen if one.trajectory is not None]
+    multipliers = [one.multipliers for one in chosen if one.multipliers is not None]
+    return WarmStart(
+        gait=gait,
+        pattern=pattern,
+        tasks=len(chosen),
+        primal=np.mean([pack(trajectory, duration) for trajectory, duration in trajectories], axis=0),
+        bounds=np.mean([one.bounds for one in multipliers], axis=0),
+        rows=np.mean([one.rows for one in multipliers], axis=0),
+    )
