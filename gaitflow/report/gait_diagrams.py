@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gaitflow.report.palette import gait_colours, lighter
-from gaitflow.report.winners import mean_phase_fractions, most_common_pattern
+from gaitflow.report.winners import counted, mean_phase_fractions, most_common_pattern
 from gaitflow.solve.solution import Solution
 from gaitflow.trajectory import Array
 
@@ -35,8 +35,8 @@ def draw_gait_diagrams(regions: Mapping[str, Sequence[Solution]], leg_names: Seq
         axes = figure.add_subplot(rows, COLUMNS, 1 + COLUMNS * (place // columns) + place % columns)
         fractions = mean_phase_fractions(region)
         draw_contacts(axes, region[0].pattern, 100 * fractions, leg_names, colours[name])
-        axes.set_title(f"{name}", fontsize=11, loc="left")
-        axes.set_title(f"{len(regions[name])} tasks", fontsize=9, loc="right", color="#555555")
+        axes.set_title(name, fontsize=11, loc="left")
+        axes.set_title(counted(len(regions[name])), fontsize=9, loc="right", color="#555555")
         if place + columns >= len(shown):
             axes.set_xlabel("share of the cycle [%]", fontsize=9)
     return figure

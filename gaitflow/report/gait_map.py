@@ -54,7 +54,7 @@ def draw_gait_map(labels: pd.DataFrame, gaits: Sequence[str], select: Select | N
     axes.use_sticky_edges = False
     axes.margins(0.035)
     for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(MaxNLocator(8, steps=[1, 2, 2.5, 5, 10]))
+        axis.set_major_locator(MaxNLocator(12, steps=[1, 2, 5, 10]))
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
     figure.legend(handles=_legend(labels, colours), loc="outside right upper", fontsize=10, frameon=False)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from gaitflow.report.gait_diagrams import draw_contacts
 from gaitflow.report.state_space import height_and_pitch
@@ -15,16 +16,18 @@ from gaitflow.scenario import Scenario
 from gaitflow.solve.solution import Solution
 from gaitflow.trajectory import Array
 
-SNAPSHOTS = 8
+SNAPSHOTS = 6
 WIDTH = 8.4  # inches
 GRAVITY = 9.81  # m/s^2, only for the length of the arrows
-FORCE_COLOUR, GROUND_COLOUR, BODY_COLOUR, SWING_COLOUR = "#C1121F", "#8a8a8a", "#3d3d3d", "#b0b0b0"
+FORCE_COLOUR, GROUND_COLOUR, BODY_COLOUR, SWING_COLOUR = "#C1121F", "#8a8a8a", "#3d3d3d", "#d0d0d0"
+
+OUTLINE = [withStroke(linewidth=3, foreground="#6b6b6b")]  # keeps a pale gait colour visible on white
 
 
 def draw_motion(solution: Solution, scenario: Scenario, gait: str, colour: str) -> Figure:
     """A strip of snapshots, evenly spaced over the cycle, above the contact bars of the same time.
 
-    The ground is drawn with its slope. An arrow a third as long as the default leg is a force as large as the robot's
+    The ground is drawn with its slope. An arrow half as long as the default leg is a force as large as the robot's
     weight. In space this is the view from the right, with pitch as the only angle. Raises ValueError when the
     solution has no trajectory.
     """
@@ -33,7 +36,7 @@ def draw_motion(solution: Solution, scenario: Scenario, gait: str, colour: str) 
     height = -float(feet[:, -1].mean())
     spacing = 1.45 * max(float(np.ptp(feet[:, 0])), 2 * height)
     turn = _rotation(np.deg2rad(scenario.terrain.slope_deg))
-    scale = height / (3 * robot.mass * GRAVITY)
+    scale = height / (2 * robot.mass * GRAVITY)
     shares = (np.arange(SNAPSHOTS) + 0.5) / SNAPSHOTS
     snapshots = [
         _snapshot(solution, share, feet[:, 0], scale, 0.46 * spacing).turned(turn, spacing * (place + 0.5))
@@ -41,7 +44,7 @@ def draw_motion(solution: Solution, scenario: Scenario, gait: str, colour: str) 
     ]
     low, high = (limit(point[1] for shot in snapshots for point in shot.points) for limit in (min, max))
     low, high = low - 0.08 * height, high + 0.12 * height
-    bars_height, strip_height = 0.24 * len(robot.legs), (high - low) / (SNAPSHOTS * spacing) * WIDTH
+    bars_height, strip_height = 0.17 * len(robot.legs), (high - low) / (SNAPSHOTS * spacing) * WIDTH
     figure = Figure(figsize=(WIDTH, strip_height + bars_height + 0.8), dpi=150, layout="constrained")
     strip, bars = figure.subplots(2, 1, height_ratios=[strip_height, bars_height])
     for snapshot in snapshots:
@@ -51,7 +54,7 @@ def draw_motion(solution: Solution, scenario: Scenario, gait: str, colour: str) 
     strip.set_aspect("equal", anchor="S")
     strip.set_axis_off()
     strip.set_title(gait, fontsize=11, loc="left")
-    task = f"v = {solution.speed:g} m/s, T = {solution.cycle_duration:g} s"
+    task = f"v = {solution.speed:.3g} m/s, T = {solution.cycle_duration:.3g} s"
     strip.set_title(task, fontsize=9, loc="right", color="#555555")
     draw_contacts(bars, solution.pattern, trajectory.durations, robot.leg_names, colour)
     bars.set_xlabel("time [s]", fontsize=9)
@@ -82,8 +85,8 @@ class _Snapshot:
         axes.plot(*self.ground.T, color=GROUND_COLOUR, linewidth=1.2, solid_capstyle="butt")
         for hip, foot, tip, standing in zip(self.hips, self.feet, self.tips, self.standing, strict=True):
             shade = colour if standing else SWING_COLOUR
-            axes.plot(*np.array([hip, foot]).T, color=shade, linewidth=1.8, solid_capstyle="round")
-            axes.plot(*foot, marker="o", markersize=3.2, color=shade)
+            axes.plot(*np.array([hip, foot]).T, color=shade, linewidth=2, solid_capstyle="round", path_effects=OUTLINE)
+            axes.plot(*foot, marker="o", markersize=3.2, color=shade, path_effects=OUTLINE)
             if standing:
                 style = {"arrowstyle": "-|>", "color": FORCE_COLOUR, "linewidth": 1.1, "mutation_scale": 7}
                 axes.annotate("", tip, foot, arrowprops={**style, "shrinkA": 0, "shrinkB": 0}, zorder=4)

@@ -14,10 +14,11 @@ from gaitflow.report.tables import Table
 
 @dataclass(frozen=True)
 class Picture:
-    """A PNG inlined into the page."""
+    """A PNG inlined into the page; `alt` is read out where it cannot be seen, `caption` is printed below it."""
 
     png: bytes
-    caption: str
+    alt: str
+    caption: str = ""
 
     @property
     def base64(self) -> str:

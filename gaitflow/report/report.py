@@ -118,7 +118,7 @@ def _sections(
     motions: Sequence[str],
 ) -> list[Section]:
     def pictures(*names: str, caption: str = "") -> tuple[Picture, ...]:
-        return tuple(Picture(images[name], caption) for name in names if name in images)
+        return tuple(Picture(images[name], name, caption) for name in names if name in images)
 
     ties, missing = tie_table(labels), infeasible_table(labels)
     tolerance = percent(scenario.learning.tie_tolerance)
@@ -147,7 +147,7 @@ def _sections(
         Section(
             "Motions",
             ("The task nearest the middle of each region. Red arrows are contact forces.",),
-            tuple(Picture(images[name], name.removeprefix("motion-")) for name in motions),
+            pictures(*motions),
         ),
         Section("Classifiers", judged, table=None if learning is None else learning_table(learning)),
         Section("Ties", (f"Gaits within {tolerance} of the least cost tie." if ties.rows else none,), table=ties),
@@ -169,8 +169,8 @@ def _in_words(scenario: Scenario) -> tuple[str, ...]:
         f"Robot {robot.name}: {number(robot.mass)} kg, {len(robot.legs)} legs ({', '.join(robot.leg_names)}), "
         f"{robot.dimension}D. Terrain: slope {terrain.slope_deg:g}°, friction {terrain.friction:g}.",
         "Objective, weight by term: " + ", ".join(f"{name} {weight:g}" for name, weight in weights.items()) + ".",
-        f"{settings.phases} phases of {settings.knots_per_phase} knots, {settings.integrator}, each at least "
-        f"{percent(settings.min_phase_fraction)} of the cycle; {stances} a leg and cycle.",
+        f"{settings.phases} phases of {settings.knots_per_phase} knots, integrated by {settings.integrator}, "
+        f"each at least {percent(settings.min_phase_fraction)} of the cycle; {stances} a leg and cycle.",
         f"Tasks: {tasks.speed.count} speeds from {tasks.speed.start:g} to {tasks.speed.stop:g} m/s by "
         f"{tasks.cycle_duration.count} cycle durations from {tasks.cycle_duration.start:g} to "
         f"{tasks.cycle_duration.stop:g} s, and {tasks.held_out} held-out tasks between. "

@@ -12,7 +12,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from gaitflow.report.winners import most_common_pattern, trajectory_of
+from gaitflow.report.winners import counted, most_common_pattern, trajectory_of
 from gaitflow.solve.solution import Solution
 from gaitflow.trajectory import Array
 
@@ -33,7 +33,7 @@ def draw_state_space(regions: Mapping[str, Sequence[Solution]]) -> Figure:
     speeds = [solution.speed for region in shown.values() for solution in region]
     shade = ScalarMappable(Normalize(min(speeds), max(speeds)), colormaps["viridis"])
     colours = dict(zip(speeds, shade.to_rgba(np.array(speeds)), strict=True))
-    figure = Figure(figsize=(8.4, 0.4 + 2.5 * len(shown)), dpi=150, layout="constrained")
+    figure = Figure(figsize=(8.4, 0.4 + 2.1 * len(shown)), dpi=150, layout="constrained")
     grid = figure.subplots(len(shown), 2, squeeze=False)
     for (name, region), row in zip(shown.items(), grid, strict=True):
         for axes, plane, labels in zip(row, (0, 1), LABELS, strict=True):
@@ -41,8 +41,8 @@ def draw_state_space(regions: Mapping[str, Sequence[Solution]]) -> Figure:
             axes.set_xlabel(labels[0], fontsize=10)
             axes.set_ylabel(labels[1], fontsize=10)
         row[0].set_title(name, fontsize=11, loc="left")
-        row[1].set_title(f"{len(region)} tasks", fontsize=9, loc="right", color="#555555")
-    bar = figure.colorbar(shade, ax=grid, location="right", aspect=20 * len(shown), pad=0.02)
+        row[1].set_title(counted(len(region)), fontsize=9, loc="right", color="#555555")
+    bar = figure.colorbar(shade, ax=grid, location="right", aspect=17 * len(shown), pad=0.02)
     bar.set_label("speed v [m/s]", fontsize=10)
     return figure
 

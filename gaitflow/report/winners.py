@@ -38,6 +38,11 @@ def _key(speed: float, cycle_duration: float, split: object, pattern: object) ->
     return round(speed, 9), round(cycle_duration, 9), split, pattern
 
 
+def counted(tasks: int) -> str:
+    """ "1 task", "2 tasks"."""
+    return f"{tasks} task" if tasks == 1 else f"{tasks} tasks"
+
+
 def trajectory_of(solution: Solution) -> Trajectory:
     """The solution's trajectory. Raises ValueError when none was stored."""
     if solution.trajectory is None:

@@ -12,18 +12,19 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from gaitflow.gaits import Pattern, gait_name, gait_of
+from gaitflow.gaits import Pattern, gait_of
 from gaitflow.scenario import Scenario, load_scenario
 from gaitflow.solve.solution import Solution
 from gaitflow.trajectory import Trajectory
 
 CONFIGS = Path(__file__).parents[2] / "configs"
-PATTERNS = {
+PATTERNS = {  # four-phase patterns of the gaits of Fig. 5
     "walking": "0111/1101",
     "gallop": "0110/1100",
     "bounding": "0001/0100",
     "pronking": "0110/0100",
     "gallop-walk": "0011/0110",
+    "gallop-pronk": "0010/0110",
     "gallop-bound": "0010/0100",
 }
 GRAVITY = 9.81
@@ -181,8 +182,27 @@ def select(gaits: list[str]):
     return answer
 
 
-def test_fixture_gaits_have_the_names_of_figure_5() -> None:
-    assert {gait_name(Pattern.from_text(text), ("F", "H")) for text in PATTERNS.values()} == set(PATTERNS)
+@pytest.fixture(scope="session")
+def map_of():
+    """(rule, speeds=..., durations=...) -> labels frame of that rule on the grid."""
+    return make_labels
+
+
+@pytest.fixture(scope="session")
+def rule_4a():
+    return paper_gait
+
+
+@pytest.fixture(scope="session")
+def infeasible():
+    """(speed, duration) -> row of a labels frame."""
+    return infeasible_row
+
+
+@pytest.fixture(scope="session")
+def solution_of(scenario: Scenario):
+    """(speed, duration, gait) -> solution with a trajectory."""
+    return lambda speed, duration, gait: make_solution(scenario, label_row(speed, duration, gait))
 
 
 def quality(accuracy: float) -> dict[str, float | int | None]:

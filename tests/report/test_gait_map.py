@@ -1,0 +1,86 @@
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.collections import PathCollection, QuadMesh
+from matplotlib.colors import to_rgba
+
+from gaitflow.report.gait_map import draw_gait_map
+from gaitflow.report.palette import NAMED_COLOURS, lighter
+
+
+def axes_of(figure):
+    (axes,) = figure.axes
+    return axes
+
+
+def legend_texts(figure) -> list[str]:
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+def test_the_region_under_a_task_has_the_colour_of_the_gait_chosen_there(labels, gaits, select) -> None:
+    figure = draw_gait_map(labels, gaits, select, "a map")
+    axes = axes_of(figure)
+    figure.canvas.draw()
+    (mesh,) = [item for item in axes.collections if isinstance(item, QuadMesh)]
+    array = np.asarray(mesh.get_array())
+    for task, place in (((0.1, 0.4), (0, 0)), ((2.3, 1.6), (-1, -1)), ((2.3, 0.4), (0, -1))):
+        expected = gaits[int(select(np.array([task[0]]), np.array([task[1]]))[0])]
+        shown = mesh.cmap(mesh.norm(array[place]))
+        assert shown == pytest.approx(to_rgba(lighter(NAMED_COLOURS[expected], 0.5)))
+
+
+def test_tasks_are_drawn_where_and_as_what_they_are(labels, gaits, select) -> None:
+    axes = axes_of(draw_gait_map(labels, gaits, select, "a map"))
+    grid, held_out, ties, infeasible = [item for item in axes.collections if isinstance(item, PathCollection)]
+    assert [len(item.get_offsets()) for item in (grid, held_out, ties, infeasible)] == [83, 25, 6, 1]
+    np.testing.assert_allclose(infeasible.get_offsets(), [[0.1, 1.6]])
+    solved = labels[(labels["status"] == "solved") & (labels["split"] == "grid")]
+    for place, colour in zip(solved["gait"], grid.get_facecolors(), strict=True):
+        assert tuple(colour) == pytest.approx(to_rgba(NAMED_COLOURS[place]))
+
+
+def test_axes_have_units_and_the_legend_says_what_is_there(labels, gaits, select) -> None:
+    figure = draw_gait_map(labels, gaits, select, "a map")
+    axes = axes_of(figure)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("speed v [m/s]", "cycle duration T [s]")
+    texts = legend_texts(figure)
+    assert texts[:2] == ["walking", "gallop-walk"]
+    assert texts[-4:] == ["grid task", "held-out task", "gaits tie", "infeasible task"]
+
+
+def test_the_legend_leaves_out_what_is_not_there(map_of, rule_4a) -> None:
+    figure = draw_gait_map(map_of(rule_4a, speeds=np.array([0.5, 0.7])), ["gallop-walk"], None, "a map")
+    assert legend_texts(figure) == ["gallop-walk", "grid task"]
+
+
+def test_without_a_classifier_there_are_no_regions(labels, gaits) -> None:
+    axes = axes_of(draw_gait_map(labels, gaits, None, "a map"))
+    assert not [item for item in axes.collections if isinstance(item, QuadMesh)]
+
+
+def test_outside_the_domain_nothing_is_filled(labels, gaits) -> None:
+    def select(speeds, durations):
+        return np.where(speeds > 1.0, -1, gaits.index("gallop"))
+
+    axes = axes_of(draw_gait_map(labels, gaits, select, "a map"))
+    (mesh,) = [item for item in axes.collections if isinstance(item, QuadMesh)]
+    masked = np.ma.getmaskarray(mesh.get_array())
+    assert masked[:, -1].all()
+    assert not masked[:, 0].any()
+
+
+def test_a_map_of_one_gait_and_of_one_infeasible_task_can_be_drawn(map_of, infeasible) -> None:
+    draw_gait_map(map_of(lambda v, t: "gallop"), ["gallop"], lambda v, t: np.zeros(v.shape, int), "one gait")
+    draw_gait_map(pd.DataFrame([infeasible(0.1, 0.4)]), [], None, "nothing feasible")
+
+
+def test_an_index_that_is_no_gait_is_refused(labels) -> None:
+    with pytest.raises(ValueError, match="select answered 7 to 7, but the gaits are numbered 0 to 0"):
+        draw_gait_map(labels, ["gallop"], lambda v, t: np.full(v.shape, 7), "a map")
+
+
+def test_labels_without_tasks_are_refused(labels) -> None:
+    with pytest.raises(ValueError, match="no task"):
+        draw_gait_map(labels.iloc[:0], [], None, "a map")

@@ -1,0 +1,73 @@
+from __future__ import annotations
+
+import base64
+import re
+from dataclasses import replace
+
+import matplotlib.image
+import pytest
+
+from gaitflow.report.report import PAGE, png_of, write_report
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory, scenario, labels, solutions, gaits, select, learning, record):
+    folder = tmp_path_factory.mktemp("report") / "new"
+    return folder, write_report(folder, scenario, labels, solutions, gaits, select, learning, record)
+
+
+def test_all_files_are_there_and_nothing_else(written) -> None:
+    folder, paths = written
+    motions = {"walking", "gallop-walk", "pronking", "gallop", "gallop-bound", "bounding"}
+    expected = {"map.png", "gaits.png", "state_space.png", PAGE, *(f"motion-{name}.png" for name in motions)}
+    assert {path.name for path in paths} == expected
+    assert {path.name for path in folder.iterdir()} == expected
+
+
+def test_pictures_are_readable_when_shown_small(written) -> None:
+    folder, _ = written
+    height, width, _ = matplotlib.image.imread(folder / "map.png").shape
+    assert 1200 <= width <= 1300  # 8.4 inches at 150 dpi: letters of 10 points stay above 12 pixels at 800
+    assert height > 600
+
+
+def test_the_page_holds_the_pictures_that_were_written(written) -> None:
+    folder, paths = written
+    html = (folder / PAGE).read_text(encoding="utf-8")
+    inlined = {base64.b64decode(data) for data in re.findall(r"base64,([A-Za-z0-9+/=]+)", html)}
+    assert inlined == {path.read_bytes() for path in paths if path.suffix == ".png"}
+
+
+def test_the_page_states_scenario_ties_infeasible_tasks_winner_and_origin(written, record, learning) -> None:
+    html = (written[0] / PAGE).read_text(encoding="utf-8")
+    for text in ("force 1.", "slope 0°", "12 speeds", "one stance", record["units_digest"], learning["rule"], "3e-09"):
+        assert text in html
+    assert re.search(r'<tr class="marked"><td>svm</td>', html)
+    assert re.search(r"<h2>Infeasible tasks</h2>.*<td>0.1</td><td>1.6</td><td>grid</td>", html, re.S)
+
+
+def test_without_classifier_and_trajectories_there_is_a_map_and_a_page(
+    tmp_path, scenario, labels, solutions, gaits, record
+) -> None:
+    bare = [replace(solution, trajectory=None) for solution in solutions]
+    paths = write_report(tmp_path, scenario, labels, bare, gaits, None, None, record)
+    assert [path.name for path in paths] == ["map.png", PAGE]
+    assert "No classifier was trained." in (tmp_path / PAGE).read_text(encoding="utf-8")
+
+
+def test_a_gait_named_by_its_diagram_stays_in_the_folder(tmp_path, scenario, labels, solution_of, record) -> None:
+    name = "F 0110 / H ../../1100"
+    one = labels[labels["gait"] == "gallop"].iloc[:1].assign(gait=name, label=name, split="grid")
+    row = one.iloc[0]
+    solution = solution_of(row["speed"], row["cycle_duration"], "gallop")
+    folder = tmp_path / "report"
+    paths = write_report(folder, scenario, one, [solution], [name], None, None, record)
+    assert [path.name for path in paths] == ["map.png", "gaits.png", "state_space.png", "motion-1.png", PAGE]
+    assert all(path.parent == folder and path.is_file() for path in paths)
+
+
+def test_equal_figures_have_equal_bytes(labels, gaits) -> None:
+    from gaitflow.report.gait_map import draw_gait_map
+
+    one, two = (png_of(draw_gait_map(labels, gaits, None, "a map")) for _ in range(2))
+    assert one == two

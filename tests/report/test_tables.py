@@ -1,0 +1,85 @@
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from gaitflow.report.tables import (
+    effort_table,
+    gait_table,
+    infeasible_table,
+    learning_table,
+    number,
+    percent,
+    provenance_table,
+    tie_table,
+)
+
+
+def as_dict(table) -> dict[str, dict[str, str]]:
+    return {row[0]: dict(zip(table.columns, row, strict=True)) for row in table.rows}
+
+
+def test_gaits_with_what_they_win_cost_and_lead_by(labels) -> None:
+    rows = as_dict(gait_table(labels, ("F", "H")))
+    assert list(rows)[:2] == ["walking", "gallop-walk"]
+    walking = labels[labels["gait"] == "walking"]
+    assert rows["walking"]["grid tasks"] == "13"
+    assert rows["walking"]["held-out tasks"] == str((walking["split"] == "held_out").sum())
+    assert rows["walking"]["cost"] == f"{number(walking['cost'].min())} to {number(walking['cost'].max())}"
+    assert rows["walking"]["mean margin"] == percent(walking["margin"].mean())
+    assert rows["walking"]["pattern"] == "F 0111 / H 1101"
+    assert sum(int(row["grid tasks"]) for row in rows.values()) == 83
+
+
+def test_an_infinite_margin_is_no_part_of_the_mean(labels) -> None:
+    one = labels.copy()
+    one.loc[one["gait"] == "bounding", "margin"] = math.inf
+    one.loc[one.index[one["gait"] == "bounding"][0], "margin"] = 0.25
+    assert as_dict(gait_table(one, ("F", "H")))["bounding"]["mean margin"] == "25 %"
+    one.loc[one["gait"] == "bounding", "margin"] = math.inf
+    assert as_dict(gait_table(one, ("F", "H")))["bounding"]["mean margin"] == "–"
+
+
+def test_residuals_between_knots_are_shown_when_given(labels) -> None:
+    assert "worst residual between knots" not in gait_table(labels, ("F", "H")).columns
+    residual = np.where(labels["gait"] == "gallop", 0.02, 0.001)
+    rows = as_dict(gait_table(labels.assign(residual=residual), ("F", "H")))
+    assert rows["gallop"]["worst residual between knots"] == "0.02"
+    assert rows["walking"]["worst residual between knots"] == "0.001"
+
+
+def test_ties_and_infeasible_tasks_are_listed_one_by_one(labels) -> None:
+    ties = tie_table(labels)
+    assert len(ties.rows) == (labels["ties"].map(len) > 1).sum()
+    assert ties.rows[0] == ("0.1", "0.4", "grid", "walking, gallop-walk", "0.04 %", "walking")
+    assert infeasible_table(labels).rows == (("0.1", "1.6", "grid"),)
+
+
+def test_effort_counts_every_end_and_the_worst_violation(solutions) -> None:
+    counts = {name: value for name, value in effort_table(solutions).rows}
+    assert [counts[name] for name in ("solved", "infeasible", "failed", "screened")] == ["108", "1", "1", "2"]
+    assert counts["worst scaled violation of a solved task"] == "3e-09"
+    assert dict(effort_table([]).rows)["worst scaled violation of a solved task"] == "–"
+
+
+def test_the_published_method_is_marked_and_missing_numbers_are_dashes(learning) -> None:
+    table = learning_table(learning)
+    assert table.rows[table.marked][0] == "svm"
+    assert as_dict(table)["mlp"]["accuracy"] == "95 % / 94 %"
+    learning = {**learning, "competitors": [dict(one) for one in learning["competitors"]]}
+    learning["competitors"][0]["held_out"] = dict.fromkeys(learning["competitors"][0]["held_out"])
+    assert as_dict(learning_table(learning))["mlp"]["accuracy"] == "95 % / –"
+
+
+def test_provenance_names_code_machine_and_date(record) -> None:
+    rows = dict(provenance_table(record).rows)
+    assert rows["code"] == "gaitflow 0.1.0, commit 0123abc, with uncommitted changes"
+    assert rows["packages"] == "casadi 3.8.2, numpy 2.4.6"
+    assert rows["machine"] == "Example CPU, Linux x86_64, Python 3.11.2"
+    assert rows["scenario digest"] == record["scenario_digest"]
+
+
+def test_numbers() -> None:
+    assert [number(x) for x in (None, math.nan, math.inf, 0.0123456, 12345.6)] == ["–", "–", "∞", "0.0123", "12,346"]
+    assert [percent(x) for x in (None, math.inf, 0.00123)] == ["–", "∞", "0.123 %"]
