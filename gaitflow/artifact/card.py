@@ -21,7 +21,7 @@ def _what(manifest: Manifest) -> str:
     scenario = manifest.scenario
     robot, terrain, knots = scenario["robot"], scenario["terrain"], scenario["transcription"]
     weights = ", ".join(f"{name} {weight:g}" for name, weight in scenario["objective"].items() if weight)
-    description = scenario.get("description") or "A gait map."
+    description, legs = scenario.get("description") or "A gait map.", ", ".join(manifest.layout.legs)
     return f"""# {manifest.name} {manifest.version}
 
 {description}
@@ -31,7 +31,7 @@ starts.
 
 | | |
 | --- | --- |
-| robot | {robot["name"]}, {robot["dimension"]}D rigid body of {robot["mass"]:g} kg, legs {", ".join(manifest.layout.legs)} |
+| robot | {robot["name"]}, {robot["dimension"]}D rigid body of {robot["mass"]:g} kg, legs {legs} |
 | terrain | slope {terrain["slope_deg"]:g} degrees, friction coefficient {terrain["friction"]:g} |
 | objective | weights: {weights} |
 | transcription | {knots["phases"]} phases of {knots["knots_per_phase"]} knots, {knots["integrator"]} |

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,6 +24,7 @@ from gaitflow.runtime.versions import Version
 from gaitflow.scenario import Scenario, digest_of
 
 PROBABILITY_SUM = 1e-4  # float32 probabilities of some hundred gaits add up to 1 within this
+START_OUTSIDE = 1e-6  # solvers leave bounds by less
 
 
 @dataclass(frozen=True)
@@ -67,16 +68,14 @@ def inspect(folder: Path) -> list[Finding]:
     if findings:
         return findings
     findings += _scenario_faults(manifest)
-    parts: tuple[tuple[str, Callable[[Path, Manifest], str | None]], ...] = (
-        (CLASSIFIER, _classifier_fault),
-        (WARM_STARTS, _tensors_fault),
-        (PROBLEM, _problem_fault),
-    )
-    for name, fault_of in parts:
-        with _noted(findings, folder, name):
-            fault = fault_of(folder, manifest)
-            if fault is not None:
-                findings.append(Finding(name, fault))
+    with _noted(findings, folder, CLASSIFIER):
+        findings += _classifier_faults(folder, manifest)
+    with _noted(findings, folder, WARM_STARTS):
+        content = read_checked(folder, WARM_STARTS, manifest.files[WARM_STARTS])
+        tensors = parse_tensors(content, len(manifest.gaits), manifest.layout, str(folder / WARM_STARTS))
+        findings += _tensor_faults(manifest, tensors)
+        with _noted(findings, folder, PROBLEM):
+            findings += _problem_faults(folder, manifest, tensors)
     return findings
 
 
@@ -131,40 +130,36 @@ def _scenario_faults(manifest: Manifest) -> list[Finding]:
     ]
 
 
-def _classifier_fault(folder: Path, manifest: Manifest) -> str | None:
+def _classifier_faults(folder: Path, manifest: Manifest) -> list[Finding]:
     content = read_checked(folder, CLASSIFIER, manifest.files[CLASSIFIER])
     classifier = Classifier(content, len(manifest.gaits), str(folder / CLASSIFIER))
-    domain = manifest.domain
-    v, t = np.meshgrid(domain.speeds, domain.cycle_durations)
+    v, t = np.meshgrid(manifest.domain.speeds, manifest.domain.cycle_durations)
     probabilities = classifier(np.column_stack([v.ravel(), t.ravel()]).astype(np.float32)).astype(float)
-    if (probabilities < 0).any() or np.abs(probabilities.sum(axis=1) - 1).max() > PROBABILITY_SUM:
-        return "its probabilities are not at least 0 with sum 1 at every task of the grid"
-    return None
+    if (probabilities >= 0).all() and np.abs(probabilities.sum(axis=1) - 1).max() <= PROBABILITY_SUM:
+        return []
+    return [Finding(CLASSIFIER, "its probabilities are not at least 0 with sum 1 at every task of the grid")]
 
 
-def _tensors(folder: Path, manifest: Manifest) -> GaitTensors:
-    content = read_checked(folder, WARM_STARTS, manifest.files[WARM_STARTS])
-    return parse_tensors(content, len(manifest.gaits), manifest.layout, str(folder / WARM_STARTS))
-
-
-def _tensors_fault(folder: Path, manifest: Manifest) -> str | None:
-    tensors = _tensors(folder, manifest)
+def _tensor_faults(manifest: Manifest, tensors: GaitTensors) -> list[Finding]:
     outside = np.maximum(tensors.lower_bounds - tensors.primal, tensors.primal - tensors.upper_bounds).max(axis=1)
-    for gait, excess in zip(manifest.gaits, outside, strict=True):
-        if excess > 1e-6:
-            return f"the start of {gait.name} lies outside its bounds by {excess:.1e}"
+    findings = [
+        Finding(WARM_STARTS, f"the start of {gait.name} lies outside its bounds by {excess:.1e}")
+        for gait, excess in zip(manifest.gaits, outside, strict=True)
+        if excess > START_OUTSIDE
+    ]
     if (tensors.scale[slice(*manifest.layout.duration_slice)] != 1).any():
-        return "the scale of the durations must be 1: they are fractions of the cycle duration"
-    return None
+        findings.append(Finding(WARM_STARTS, "the scale of the durations must be 1: they are fractions of the cycle"))
+    return findings
 
 
-def _problem_fault(folder: Path, manifest: Manifest) -> str | None:
-    problem, tensors = load_problem(folder, manifest), _tensors(folder, manifest)
+def _problem_faults(folder: Path, manifest: Manifest, tensors: GaitTensors) -> list[Finding]:
+    problem = load_problem(folder, manifest)
     task = [manifest.domain.speeds[0], manifest.domain.cycle_durations[0]]
-    for gait, primal in zip(manifest.gaits, tensors.primal, strict=True):
-        if not all(np.isfinite(np.asarray(value)).all() for value in problem(primal, task)):
-            return f"cost or rows at the start of {gait.name} are not finite"
-    return None
+    return [
+        Finding(PROBLEM, f"cost or rows at the start of {gait.name} are not finite")
+        for gait, primal in zip(manifest.gaits, tensors.primal, strict=True)
+        if not all(np.isfinite(np.asarray(value)).all() for value in problem(primal, task))
+    ]
 
 
 def _planned(gait_map: GaitMap, tasks: int) -> list[Finding]:

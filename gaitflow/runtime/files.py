@@ -46,10 +46,11 @@ def read_limited(path: Path, limit: int) -> bytes:
         descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
     except OSError as error:
         raise ArtifactError(f"{path}: cannot be read ({error.strerror}); publish or copy the artifact again") from None
+    status = os.fstat(descriptor)
+    if not stat.S_ISREG(status.st_mode):
+        os.close(descriptor)  # `open` takes no descriptor of a folder
+        raise ArtifactError(f"{path}: not a regular file; copy the artifact again")
     with open(descriptor, "rb") as file:
-        status = os.fstat(file.fileno())
-        if not stat.S_ISREG(status.st_mode):
-            raise ArtifactError(f"{path}: not a regular file; copy the artifact again")
         if status.st_size > limit:
             raise ArtifactError(f"{path}: {status.st_size} bytes; this file may have at most {limit}")
         return file.read(status.st_size)

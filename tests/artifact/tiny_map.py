@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import shutil
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 from onnx import TensorProto, helper, numpy_helper
 
-from gaitflow.artifact import Parts
+from gaitflow.artifact import Parts, publish
 from gaitflow.gaits import Pattern
 from gaitflow.problem import GaitProblem, transcribe
 from gaitflow.scenario import load_scenario
@@ -68,7 +70,8 @@ def linear_classifier(slopes: Sequence[float], offsets: Sequence[float]) -> byte
     return model.SerializeToString(deterministic=True)
 
 
-def tiny_parts() -> Parts:
+@pytest.fixture(scope="session")
+def parts() -> Parts:
     """Walking below 0.7 m/s, gallop above; the fastest shortest task of the grid has no feasible gait."""
     problem = tiny_problem()
     tasks = problem.scenario.tasks
@@ -87,7 +90,23 @@ def tiny_parts() -> Parts:
     )
 
 
-def preferring(parts: Parts, gait: str) -> Parts:
-    """The same map with a classifier that picks `gait` everywhere."""
-    favoured = [4.0 if start.gait == gait else 0.0 for start in parts.starts]
-    return replace(parts, classifier=linear_classifier([0.0, 0.0], favoured))
+@pytest.fixture(scope="session")
+def preferring(parts: Parts) -> Callable[[str], Parts]:
+    """The same map with a classifier that picks the named gait everywhere."""
+
+    def made(gait: str) -> Parts:
+        return replace(parts, classifier=linear_classifier([0.0, 0.0], [4.0 * (s.gait == gait) for s in parts.starts]))
+
+    return made
+
+
+@pytest.fixture(scope="session")
+def pristine(parts: Parts, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A published version that no test may change."""
+    return publish(tmp_path_factory.mktemp("models"), parts, "1.0.0")
+
+
+@pytest.fixture
+def artifact(pristine: Path, tmp_path: Path) -> Path:
+    """A published version of one's own: <tmp_path>/quickstart/1.0.0."""
+    return Path(shutil.copytree(pristine, tmp_path / "quickstart" / "1.0.0"))
