@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -27,6 +28,7 @@ Select = Callable[[Floats, Floats], NDArray[np.integer[Any]]]
 
 RESOLUTION = 300  # decisions drawn along each axis
 TEXT_HEIGHT, TEXT_WIDTH = 0.05, 0.016  # of a name inside its region, a letter: share of the axes
+LONG_NAME = 22  # letters
 INK = "#222222"
 
 
@@ -42,7 +44,11 @@ def draw_gait_map(labels: pd.DataFrame, gaits: Sequence[str], select: Select | N
         raise ValueError("the labels have no task; solve the scenario first")
     solved = labels[labels["status"] == "solved"]
     colours = gait_colours([*gaits, *solved["gait"]])
-    figure = Figure(figsize=(8.4, 5.0), dpi=150, layout="constrained")
+    handles = _legend(labels, colours)
+    # Diagrams of quadrupeds are too long to stand beside the map.
+    below = max(len(str(handle.get_label())) for handle in handles) > LONG_NAME
+    lines = math.ceil(len(handles) / 2)
+    figure = Figure(figsize=(8.4, 5.0 + 0.21 * lines * below), dpi=150, layout="constrained")
     axes = figure.add_subplot()
     if select is not None:
         _draw_regions(axes, labels, gaits, select, colours)
@@ -57,7 +63,10 @@ def draw_gait_map(labels: pd.DataFrame, gaits: Sequence[str], select: Select | N
         axis.set_major_locator(MaxNLocator(12, steps=[1, 2, 5, 10]))
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
-    figure.legend(handles=_legend(labels, colours), loc="outside right upper", fontsize=10, frameon=False)
+    if below:
+        figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=9, frameon=False)
+    else:
+        figure.legend(handles=handles, loc="outside right upper", fontsize=10, frameon=False)
     return figure
 
 
