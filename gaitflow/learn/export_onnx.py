@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 
 import numpy as np
@@ -12,6 +13,8 @@ from onnx.utils import Extractor
 from skl2onnx import to_onnx
 from skl2onnx.common.data_types import FloatTensorType
 from sklearn.dummy import DummyClassifier
+from sklearn.ensemble import RandomForestClassifier
+from sklearn.neighbors import KNeighborsClassifier
 
 from gaitflow.learn.classifier import SMOOTHING, GaitClassifier
 from gaitflow.learn.mlp import SeededClassifier
@@ -35,6 +38,8 @@ def to_onnx_bytes(classifier: GaitClassifier) -> bytes:
         graph = _perceptron_graph(_layers(classifier))
     elif isinstance(estimator, DummyClassifier):
         graph = _perceptron_graph([(np.zeros((1, 2)), np.zeros(1))])  # softmax of one score is 1
+    elif isinstance(estimator, KNeighborsClassifier):
+        graph = _neighbours_graph(classifier)
     else:
         graph = _converted_graph(classifier)
     _append_calibration(graph, classifier)
@@ -71,25 +76,60 @@ def _perceptron_graph(layers: Sequence[Layer]) -> onnx.GraphProto:
     return helper.make_graph(nodes, "gait", [_input()], outputs, weights)
 
 
+def _neighbours_graph(classifier: GaitClassifier) -> onnx.GraphProto:
+    """Votes of the k nearest tasks, by hand: skl2onnx numbers its names by what the process converted before.
+
+    Both sides of the distance are raw tasks divided by the scale, so the mean cancels.
+    """
+    scaler, estimator = classifier.pipeline
+    known = (estimator._fit_X + scaler.mean_ / scaler.scale_)[np.newaxis]
+    nodes = [
+        helper.make_node("Div", [INPUT, "scale"], ["scaled"]),
+        helper.make_node("Unsqueeze", ["scaled", "middle"], ["query"]),
+        helper.make_node("Sub", ["query", "known"], ["difference"]),
+        helper.make_node("Mul", ["difference", "difference"], ["square"]),
+        helper.make_node("ReduceSum", ["square", "last"], ["distance"], keepdims=0),
+        helper.make_node("TopK", ["distance", "k"], ["nearest", "index"], largest=0),
+        helper.make_node("Gather", ["ballots", "index"], ["ballot"]),
+        helper.make_node("ReduceMean", ["ballot"], ["votes"], axes=[1], keepdims=0),
+    ]
+    weights = [
+        _float32("scale", scaler.scale_),
+        _float32("known", known),
+        _float32("ballots", np.eye(len(classifier.classes))[estimator._y]),
+        numpy_helper.from_array(np.array([1]), "middle"),
+        numpy_helper.from_array(np.array([-1]), "last"),
+        numpy_helper.from_array(np.array([estimator.n_neighbors]), "k"),
+    ]
+    graph = helper.make_graph(nodes, "gait", [_input()], [], weights)
+    _append_log_of_votes(graph, classifier)
+    return graph
+
+
 def _converted_graph(classifier: GaitClassifier) -> onnx.GraphProto:
-    """What skl2onnx makes of a scikit-learn pipeline, without its label: the output is votes or decision values."""
+    """What skl2onnx makes of the SVM or the forest, without its label: the output is decision values or votes."""
     estimator = classifier.pipeline[-1]
-    votes = hasattr(estimator, "predict_proba") and not hasattr(estimator, "decision_function")
-    model = to_onnx(
-        classifier.pipeline,
-        initial_types=[(INPUT, FloatTensorType([None, 2]))],
-        options={id(estimator): {"zipmap": False} | ({} if votes else {"raw_scores": True})},
-        target_opset={"": OPSET, "ai.onnx.ml": ML_OPSET},
-    )
+    votes = isinstance(estimator, RandomForestClassifier)
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Attribute `prob[AB]_` was deprecated", FutureWarning)  # read, not used
+        model = to_onnx(
+            classifier.pipeline,
+            initial_types=[(INPUT, FloatTensorType([None, 2]))],
+            options={id(estimator): {"zipmap": False} | ({} if votes else {"raw_scores": True})},
+            target_opset={"": OPSET, "ai.onnx.ml": ML_OPSET},
+        )
     kept = model.graph.output[1].name
     graph: onnx.GraphProto = Extractor(model).extract_model([INPUT], [kept]).graph
-    value = "votes" if votes else "scores"
-    graph.node.append(helper.make_node("Identity", [kept], [value]))
+    graph.node.append(helper.make_node("Identity", [kept], ["votes" if votes else "scores"]))
     if votes:
-        graph.initializer.append(_float32("smoothing", SMOOTHING * np.asarray(classifier.frequencies)))
-        graph.node.append(helper.make_node("Add", [value, "smoothing"], ["smoothed"]))
-        graph.node.append(helper.make_node("Log", ["smoothed"], ["scores"]))
+        _append_log_of_votes(graph, classifier)
     return graph
+
+
+def _append_log_of_votes(graph: onnx.GraphProto, classifier: GaitClassifier) -> None:
+    graph.initializer.append(_float32("smoothing", SMOOTHING * np.asarray(classifier.frequencies)))
+    graph.node.append(helper.make_node("Add", ["votes", "smoothing"], ["smoothed"]))
+    graph.node.append(helper.make_node("Log", ["smoothed"], ["scores"]))
 
 
 def _append_calibration(graph: onnx.GraphProto, classifier: GaitClassifier) -> None:

@@ -13,7 +13,7 @@ from skorch.callbacks import EarlyStopping
 from torch import nn
 
 PATIENCE = 20  # epochs without progress after which training ends
-PROGRESS = 1e-3  # relative fall of the training loss that counts as progress
+PROGRESS = 1e-4  # fall of the training loss (mean log loss, nats) that counts as progress
 
 
 class Perceptron(nn.Module):
@@ -66,6 +66,7 @@ def perceptron(classes: int, hidden: Sequence[int], max_epochs: int, seed: int) 
     hundred, and a small region would lose its only ones. The weight decay, chosen by cross-validation, is what keeps
     the boundaries smooth.
     """
+    stop = EarlyStopping("train_loss", patience=PATIENCE, threshold=PROGRESS, threshold_mode="abs", sink=_silent)
     return SeededClassifier(
         Perceptron,
         module__hidden=tuple(hidden),
@@ -76,7 +77,7 @@ def perceptron(classes: int, hidden: Sequence[int], max_epochs: int, seed: int) 
         batch_size=-1,  # a map is small: every step sees all of it, and no order of tasks matters
         max_epochs=max_epochs,
         train_split=None,
-        callbacks=[("stop", EarlyStopping("train_loss", patience=PATIENCE, threshold=PROGRESS, sink=_silent))],
+        callbacks=[("stop", stop)],
         verbose=0,
         seed=seed,
     )
