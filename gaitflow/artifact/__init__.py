@@ -1,7 +1,7 @@
 """The versioned artifact `models/<scenario>/<version>/`: publish it, verify it, list its versions."""
 
-from gaitflow.artifact.parts import Parts, RegionStart
-from gaitflow.artifact.publish import PublishError, VersionExists, publish
+from gaitflow.artifact.parts import Parts, PublishError, RegionStart
+from gaitflow.artifact.publish import VersionExists, publish
 from gaitflow.artifact.verify import Finding, verify
 from gaitflow.artifact.versions import Published, newest, published
 

@@ -21,6 +21,10 @@ from gaitflow.scenario import digest_of
 from gaitflow.trajectory import Array
 
 
+class PublishError(RuntimeError):
+    """Parts that make no sound artifact: names each fault. Nothing was published."""
+
+
 class RegionStart(Protocol):
     """Where the solver of one gait starts, in the scaled variables of its fixed-gait problem.
 
@@ -44,21 +48,34 @@ class RegionStart(Protocol):
 class Parts:
     """All that is published.
 
-    problem knows the scenario. classifier is the ONNX graph (float32 [N, 2] -> `probability` [N, G]) and starts [G]
-    are in the order of its outputs. feasible [speeds, cycle durations] says which grid tasks have a feasible gait.
-    dataset names what was learnt from (`digest`, `version`), code what made it; metrics, plain JSON, say how well.
-    solver_options are IPOPT's, over the defaults of a warm-started refinement.
+    problem knows the scenario. feasible [speeds, cycle durations] says which grid tasks have a feasible gait.
+    classifier is the ONNX graph (float32 [N, 2] -> `probability` [N, G]), classes [G] the gait of each of its outputs,
+    and starts hold one start for each of them, in any order. dataset names what was learnt from (`digest`,
+    `version`), code what made it; metrics, plain JSON, say how well. solver_options are IPOPT's, over the defaults of
+    a warm-started refinement. Raises PublishError when a class and a start do not pair up.
     """
 
     problem: GaitProblem
     feasible: NDArray[np.bool_]
-    starts: Sequence[RegionStart]
     classifier: bytes
     classifier_kind: str
+    classes: Sequence[str]
+    starts: Sequence[RegionStart]
     dataset: Mapping[str, Any]
     code: Mapping[str, Any]
     metrics: Mapping[str, Any]
     solver_options: Mapping[str, float | int | str]
+
+    def __post_init__(self) -> None:
+        names = sorted(start.gait for start in self.starts)
+        if names != sorted(set(self.classes)) or len(names) != len(self.classes):
+            raise PublishError(f"the classifier's gaits are {list(self.classes)}, but there are starts for {names}")
+
+    @property
+    def ordered_starts(self) -> list[RegionStart]:
+        """The starts [G] in the order of the classifier's outputs."""
+        by_name = {start.gait: start for start in self.starts}
+        return [by_name[name] for name in self.classes]
 
 
 def content_of(parts: Parts) -> dict[str, bytes]:
@@ -94,7 +111,7 @@ def manifest_of(parts: Parts, files: Mapping[str, bytes], version: Version, crea
                 "key": gait_of(Pattern.from_text(start.pattern), mirror).text,
                 "pattern": start.pattern,
             }
-            for start in parts.starts
+            for start in parts.ordered_starts
         ],
         "layout": layout_data(parts.problem),
         "cost_scale": parts.problem.cost_scale,
@@ -126,11 +143,12 @@ def layout_data(problem: GaitProblem) -> dict[str, Any]:
 
 def _tensors(parts: Parts) -> dict[str, Array]:
     """The tensors of `gaitflow.runtime.tensors.GaitTensors` by name."""
-    bounds = [parts.problem.bounds(Pattern.from_text(start.pattern)) for start in parts.starts]
+    starts = parts.ordered_starts
+    bounds = [parts.problem.bounds(Pattern.from_text(start.pattern)) for start in starts]
     stacks = {
-        "primal": [start.primal for start in parts.starts],
-        "multipliers_bounds": [start.bounds for start in parts.starts],
-        "multipliers_rows": [start.rows for start in parts.starts],
+        "primal": [start.primal for start in starts],
+        "multipliers_bounds": [start.bounds for start in starts],
+        "multipliers_rows": [start.rows for start in starts],
         "lower_bounds": [one.lower for one in bounds],
         "upper_bounds": [one.upper for one in bounds],
         "lower_rows": [one.lower_rows for one in bounds],

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from gaitflow.artifact.card import card
-from gaitflow.artifact.parts import Parts, content_of, manifest_of
+from gaitflow.artifact.parts import Parts, PublishError, content_of, manifest_of
 from gaitflow.artifact.verify import inspect
 from gaitflow.artifact.versions import newest, next_version
 from gaitflow.files import WriteError, atomic_write
@@ -23,10 +23,6 @@ from gaitflow.runtime.versions import Version
 # Who made the same content when and under which number does not make it new.
 _CIRCUMSTANCES = ("version", "created", "code")
 _RACES = 20
-
-
-class PublishError(RuntimeError):
-    """Parts that make no sound artifact: names each fault. Nothing was published."""
 
 
 class VersionExists(PublishError):

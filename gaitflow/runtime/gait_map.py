@@ -88,8 +88,9 @@ class GaitMap:
             rows = self._classifier(np.stack([v[inside], t[inside]], axis=1).astype(np.float32))
             index[inside] = rows.argmax(axis=1)
             probability[inside] = rows.max(axis=1)
-        names = np.array([*self._names, None], dtype=object)
-        return Choices(names[index], index, probability, inside)
+        gaits = np.empty(v.shape, dtype=object)
+        gaits[...] = np.array([*self._names, None], dtype=object)[index]
+        return Choices(gaits, index, probability, inside)
 
     def plan(self, speed: float, cycle_duration: float, top: int = 3) -> Plan:
         """A motion for one task (m/s, s), refined from the warm start of the likeliest gait; needs gaitflow[solve].
@@ -100,7 +101,7 @@ class GaitMap:
         """
         started = time.perf_counter()
         speed, cycle_duration = _finite("speed", speed), _finite("cycle_duration", cycle_duration)
-        if not isinstance(top, int) or top < 1:
+        if isinstance(top, bool) or not isinstance(top, int) or top < 1:
             raise ValueError(f"top = {top!r}: must be a number of gaits to try, 1 or more")
         domain = self._manifest.domain
         if not domain.contains(speed, cycle_duration):

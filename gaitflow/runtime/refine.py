@@ -85,7 +85,7 @@ class Refiner:
                     lam_x0=tensors.multipliers_bounds[gait], lam_g0=tensors.multipliers_rows[gait],
                 )  # fmt: skip
                 statistics = self._solver.stats()
-                status, iterations = str(statistics["return_status"]), int(statistics["iter_count"])
+                status, iterations = str(statistics["return_status"]), int(statistics.get("iter_count", 0))
                 w = np.asarray(answer["x"], dtype=float).ravel()
             except RuntimeError as error:
                 status = f"the solver failed: {str(error).strip().splitlines()[-1][:200]}"

@@ -103,10 +103,21 @@ def test_bad_version_is_refused(tmp_path: Path, parts: Parts, version: str) -> N
 
 
 def test_unsound_parts_publish_nothing(tmp_path: Path, parts: Parts) -> None:
-    short = replace(parts, starts=parts.starts[:1])
+    short = replace(parts, starts=parts.starts[:1], classes=parts.classes[:1])
     with pytest.raises(PublishError, match=r"classifier\.onnx: probability must be finite with shape \(1, 1\)"):
         publish(tmp_path, short)
     assert list((tmp_path / "quickstart").iterdir()) == []
+
+
+def test_starts_follow_the_classifier_whatever_their_order(tmp_path: Path, parts: Parts) -> None:
+    path = publish(tmp_path, parts)
+    assert publish(tmp_path, replace(parts, starts=parts.starts[::-1])) == path
+
+
+@pytest.mark.parametrize("classes", [("walking",), ("walking", "trot"), ("walking", "gallop", "gallop"), ()])
+def test_classes_without_their_start_are_refused(parts: Parts, classes: tuple[str, ...]) -> None:
+    with pytest.raises(PublishError, match=r"but there are starts for \['gallop', 'walking'\]"):
+        replace(parts, classes=classes)
 
 
 def test_not_a_number_in_the_metrics_is_refused(tmp_path: Path, parts: Parts) -> None:

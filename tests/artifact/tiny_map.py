@@ -80,9 +80,10 @@ def parts() -> Parts:
     return Parts(
         problem=problem,
         feasible=feasible,
-        starts=[solved_start(problem, WALKING), solved_start(problem, GALLOP)],
         classifier=linear_classifier([-5.0, 5.0], [3.5, -3.5]),
         classifier_kind="perceptron",
+        classes=(WALKING, GALLOP),
+        starts=[solved_start(problem, WALKING), solved_start(problem, GALLOP)],
         dataset={"digest": "0" * 64, "version": "1.0.0"},
         code={"code": {"version": "0.1.0"}, "packages": {"casadi": "3.8.2"}},
         metrics={"accuracy": 0.97, "classes": [WALKING, GALLOP]},
@@ -95,7 +96,9 @@ def preferring(parts: Parts) -> Callable[[str], Parts]:
     """The same map with a classifier that picks the named gait everywhere."""
 
     def made(gait: str) -> Parts:
-        return replace(parts, classifier=linear_classifier([0.0, 0.0], [4.0 * (s.gait == gait) for s in parts.starts]))
+        return replace(
+            parts, classifier=linear_classifier([0.0, 0.0], [4.0 * (name == gait) for name in parts.classes])
+        )
 
     return made
 
