@@ -1,8 +1,8 @@
 """Is this trajectory feasible? An independent check, in numpy, that shares no code with the transcription.
 
 It reads the physical constants from the scenario's JSON and the stored trajectory in SI units, recomputes eq. (3)-(7)
-from scratch, and reports the worst violation of each kind, scaled: forces over m g, lengths per metre, velocities per m/s,
-times over T. Solver success means this check, never a solver's status.
+from scratch, and reports the worst violation of each kind, scaled: forces over m g, lengths per metre, velocities per
+m/s, times over T. Solver success means this check, never a solver's status.
 """
 
 from __future__ import annotations

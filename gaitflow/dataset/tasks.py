@@ -2,25 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
-
 import numpy as np
 
 from gaitflow.scenario import Scenario
+from gaitflow.task import Split, Task
 
-Split = Literal["grid", "held_out"]
+__all__ = ["Split", "Task", "tasks_of"]
+
 DECIMALS = 6  # held-out values are rounded to 1e-6 so that a task prints as it was solved
 TRIES_PER_TASK = 100
-
-
-@dataclass(frozen=True, order=True)
-class Task:
-    """A task descriptor kappa of the paper: forward speed v [m/s] and cycle duration T [s], and what it is for."""
-
-    speed: float
-    cycle_duration: float
-    split: Split = "grid"
 
 
 def tasks_of(scenario: Scenario) -> tuple[Task, ...]:

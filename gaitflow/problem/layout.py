@@ -109,8 +109,9 @@ class Layout:
         """Trajectory in SI units from the scaled decision vector w [nw]."""
         si = np.asarray(w, dtype=float) * self.scale(cycle_duration)
         stride = self.nx + self.nu
-        states = np.append(si[: self.steps * stride].reshape(self.steps, stride)[:, : self.nx].ravel(),
-                           si[self.state(self.steps)]).reshape(self.steps + 1, self.nx)
+        states = np.append(
+            si[: self.steps * stride].reshape(self.steps, stride)[:, : self.nx].ravel(), si[self.state(self.steps)]
+        ).reshape(self.steps + 1, self.nx)
         controls = si[: self.steps * stride].reshape(self.steps, stride)[:, self.nx :]
         forces, velocities = np.split(controls.reshape(self.steps, 2 * self.legs, self.dimension), 2, axis=1)
         durations = si[self.fractions]

@@ -10,8 +10,8 @@ from gaitflow.problem.layout import Layout
 def periodicity_rows(layout: Layout, first: ca.SX, last: ca.SX, speed: ca.SX, cycle_duration: ca.SX) -> ca.SX:
     """x_K - x_0 - displacement [nx]; eq. (3) asks for 0.
 
-    Base position and feet advance by v T; angles, velocities and heights repeat. The paper prints position, angles and feet;
-    velocities repeat too, for a cycle that can be walked again.
+    Base position and feet advance by v T; angles, velocities and heights repeat. The paper prints position, angles and
+    feet; velocities repeat too, for a cycle that can be walked again.
     """
     travel = speed * cycle_duration
     shift = [ca.SX(0)] * layout.nx

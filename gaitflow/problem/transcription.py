@@ -62,8 +62,10 @@ class GaitProblem:
         """
         layout = self.layout
         if (pattern.legs, pattern.phases) != (layout.legs, layout.phases):
-            raise ValueError(f"pattern {pattern.text} has {pattern.legs} legs and {pattern.phases} phases; "
-                             f"the scenario has {layout.legs} and {layout.phases}")
+            raise ValueError(
+                f"pattern {pattern.text} has {pattern.legs} legs and {pattern.phases} phases; "
+                f"the scenario has {layout.legs} and {layout.phases}"
+            )
         lower, upper = self._free.lower.copy(), self._free.upper.copy()
         contact.fix_contacts(layout, pattern, lower, upper)
         lower_rows, upper_rows = self._free.lower_rows.copy(), self._free.upper_rows.copy()
@@ -157,7 +159,9 @@ def _minlp(scenario: Scenario, layout: Layout, cost_scale: float) -> ca.Function
     if scenario.stances_per_leg == 1:
         rows, _, _ = contact.one_stance_rows(layout.legs, layout.phases)
         groups.append(ca.DM(rows) @ w[layout.nw :])
-    return ca.Function("minlp", [w, parameters], [cost / cost_scale, ca.vertcat(*groups)], ["w", "task"], ["cost", "rows"])
+    return ca.Function(
+        "minlp", [w, parameters], [cost / cost_scale, ca.vertcat(*groups)], ["w", "task"], ["cost", "rows"]
+    )
 
 
 def _physical_bounds(scenario: Scenario, layout: Layout) -> Bounds:

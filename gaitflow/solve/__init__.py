@@ -1,1 +1,25 @@
-"""Solving one task: the fixed-gait NLP, Bonmin, and the search over patterns."""
+"""Solving tasks: one narrow interface over the fixed gait, Bonmin's restarts and the search over patterns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from gaitflow.scenario import Scenario
+from gaitflow.solve.bonmin import solve_restarts
+from gaitflow.solve.patterns import solve_chain
+from gaitflow.solve.solution import Solution
+from gaitflow.task import Task
+
+__all__ = ["Solution", "solve_tasks"]
+
+
+def solve_tasks(scenario: Scenario, tasks: Sequence[Task], seeds: Sequence[int] | None = None) -> list[Solution]:
+    """Solve tasks by the scenario's strategy; a pure function of its arguments.
+
+    `patterns` and `fixed_gait` solve them as a chain of neighbours, a row per task and pattern; `bonmin` runs once per
+    task and seed, by default the seeds strategy.seed, seed + 1, ..., a row each.
+    """
+    if scenario.strategy.name == "bonmin":
+        first = scenario.strategy.seed
+        return solve_restarts(scenario, tasks, seeds or range(first, first + scenario.strategy.restarts))
+    return solve_chain(scenario, tasks)
