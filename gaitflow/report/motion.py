@@ -38,8 +38,9 @@ def draw_motion(solution: Solution, scenario: Scenario, gait: str, colour: str) 
     turn = _rotation(np.deg2rad(scenario.terrain.slope_deg))
     scale = height / (2 * robot.mass * GRAVITY)
     shares = (np.arange(SNAPSHOTS) + 0.5) / SNAPSHOTS
+    lean = 0.5 * height * turn[1, 0]  # up a slope the body stands behind the ground below it
     snapshots = [
-        _snapshot(solution, share, feet[:, 0], scale, 0.46 * spacing).turned(turn, spacing * (place + 0.5))
+        _snapshot(solution, share, feet[:, 0], scale, 0.46 * spacing).turned(turn, spacing * (place + 0.5) + lean)
         for place, share in enumerate(shares)
     ]
     low, high = (limit(point[1] for shot in snapshots for point in shot.points) for limit in (min, max))

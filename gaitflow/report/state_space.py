@@ -56,7 +56,7 @@ def _draw_plane(axes: Axes, region: Sequence[Solution], plane: int, colours: Map
     axes.plot(x, y, color="white", linewidth=4.2)
     axes.plot(x, y, color=MEAN_COLOUR, linewidth=2.4)
     axes.tick_params(labelsize=9)
-    axes.xaxis.set_major_locator(MaxNLocator(5))
+    axes.xaxis.set_major_locator(MaxNLocator(4))
     axes.yaxis.set_major_locator(MaxNLocator(5))
     axes.grid(color="#e4e4e4", linewidth=0.6)
     axes.set_axisbelow(True)

@@ -42,7 +42,9 @@ def number(value: float | None) -> str:
 
 
 def percent(value: float | None) -> str:
-    """A fraction in per cent with 3 significant digits."""
+    """A fraction in per cent with 3 significant digits; below 0.001 % only that it is."""
+    if value is not None and 0 < value < 1e-5:
+        return "< 0.001 %"
     return number(value) if value is None or not math.isfinite(value) else f"{number(100 * value)} %"
 
 
@@ -63,12 +65,16 @@ def gait_table(labels: pd.DataFrame, leg_names: Sequence[str]) -> Table:
             diagram(Pattern.from_text(won["gait_key"].iloc[0]), leg_names),
             str(int((won["split"] == "grid").sum())),
             str(int((won["split"] != "grid").sum())),
-            f"{number(won['cost'].min())} to {number(won['cost'].max())}",
+            _range(won["cost"].min(), won["cost"].max()),
             percent(float(margins.mean())),
             str(int((won["ties"].map(len) > 1).sum())),
         ]
         rows.append((*row, number(float(won[RESIDUAL].max()))) if with_residual else tuple(row))
     return Table((*columns, "worst residual between knots") if with_residual else tuple(columns), tuple(rows))
+
+
+def _range(low: float, high: float) -> str:
+    return number(low) if number(low) == number(high) else f"{number(low)} to {number(high)}"
 
 
 def tie_table(labels: pd.DataFrame) -> Table:

@@ -50,6 +50,13 @@ def test_axes_have_units_and_the_legend_says_what_is_there(labels, gaits, select
     assert texts[-4:] == ["grid task", "held-out task", "gaits tie", "infeasible task"]
 
 
+def test_the_legend_of_long_diagrams_is_below_the_map(map_of) -> None:
+    name = "LF 0110 / RF 1100 / LH 1001 / RH 0011"
+    figure = draw_gait_map(map_of(lambda v, t: "gallop").assign(gait=name), [name], None, "a map")
+    figure.canvas.draw()
+    assert figure.legends[0].get_window_extent().y1 < axes_of(figure).get_window_extent().y0
+
+
 def test_the_legend_leaves_out_what_is_not_there(map_of, rule_4a) -> None:
     figure = draw_gait_map(map_of(rule_4a, speeds=np.array([0.5, 0.7])), ["gallop-walk"], None, "a map")
     assert legend_texts(figure) == ["gallop-walk", "grid task"]

@@ -32,6 +32,11 @@ def test_gaits_with_what_they_win_cost_and_lead_by(labels) -> None:
     assert sum(int(row["grid tasks"]) for row in rows.values()) == 83
 
 
+def test_a_single_cost_is_no_range(labels) -> None:
+    one = labels[labels["gait"] == "gallop"].iloc[:1]
+    assert as_dict(gait_table(one, ("F", "H")))["gallop"]["cost"] == number(one["cost"].iloc[0])
+
+
 def test_an_infinite_margin_is_no_part_of_the_mean(labels) -> None:
     one = labels.copy()
     one.loc[one["gait"] == "bounding", "margin"] = math.inf
@@ -82,4 +87,4 @@ def test_provenance_names_code_machine_and_date(record) -> None:
 
 def test_numbers() -> None:
     assert [number(x) for x in (None, math.nan, math.inf, 0.0123456, 12345.6)] == ["–", "–", "∞", "0.0123", "12,346"]
-    assert [percent(x) for x in (None, math.inf, 0.00123)] == ["–", "∞", "0.123 %"]
+    assert [percent(x) for x in (None, math.inf, 0.00123, 1e-9, 0.0)] == ["–", "∞", "0.123 %", "< 0.001 %", "0 %"]
