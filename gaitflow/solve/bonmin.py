@@ -10,6 +10,7 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -37,7 +38,7 @@ def solve_restarts(scenario: Scenario, tasks: Sequence[Task], seeds: Sequence[in
 def make_bonmin(problem: GaitProblem, time_limit: float) -> ca.Function:
     """Bonmin's branch and bound on the big-M form; `time_limit` in seconds per run."""
     contacts = problem.layout.legs * problem.layout.phases
-    options = {
+    options: dict[str, Any] = {
         "print_time": False,
         "discrete": [False] * problem.layout.nw + [True] * contacts,
         "bonmin": {

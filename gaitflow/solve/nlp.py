@@ -82,7 +82,7 @@ class FixedGaitSolver:
         return make_ipopt(self.problem.nlp, IPOPT_WARM | {"max_cpu_time": self._limit})
 
     def solve(self, pattern: Pattern, speed: float, cycle_duration: float, start: Start) -> Attempt:
-        """One call from one start; speed v [m/s], cycle_duration T [s]. A solver's exception is an attempt that failed."""
+        """One call from one start; speed v [m/s], cycle_duration T [s]. A solver's exception is a failed attempt."""
         solver = self._cold if start.multipliers is None else self._warm
         bounds = self.problem.bounds(pattern)
         arguments: dict[str, Any] = {

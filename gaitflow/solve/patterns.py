@@ -112,8 +112,8 @@ def screened(scenario: Scenario, task: Task, pattern: Pattern, reason: str) -> S
     """The dataset row of a pattern that a necessary condition rules out."""
     nan = float("nan")
     return Solution(
-        task.speed, task.cycle_duration, task.split, pattern.text, _gait_text(scenario, pattern), scenario.strategy.name,
-        "", scenario.strategy.seed, "screened", reason, nan, nan, 0, 0, 0.0, 0.0,
+        task.speed, task.cycle_duration, task.split, pattern.text, _gait_text(scenario, pattern),
+        scenario.strategy.name, "", scenario.strategy.seed, "screened", reason, nan, nan, 0, 0, 0.0, 0.0,
     )  # fmt: skip
 
 
