@@ -1,8 +1,8 @@
 from __future__ import annotations
 
+import dataclasses
 import threading
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +13,11 @@ from gaitflow.artifact import Parts, publish
 from gaitflow.gaits import Pattern
 from gaitflow.problem import GaitProblem
 from gaitflow.runtime import ArtifactError, GaitMap, Plan
+from gaitflow.runtime.plan import refine_ranked
+from gaitflow.runtime.refine import Attempt
 from gaitflow.solve.guess import nominal
 from gaitflow.solve.nlp import FixedGaitSolver, Start
+from gaitflow.trajectory import Trajectory
 
 FAST = (2.05, 0.9)  # beyond what walking can do
 
@@ -49,7 +52,7 @@ def test_plans_are_feasible_and_no_dearer_than_a_fresh_solve(
     guess = nominal(parts.problem.scenario.robot, parts.problem.layout, speed, cycle)
     fresh = solver.solve(Pattern.from_text(plan.pattern), speed, cycle, Start("nominal", guess))
     assert fresh.feasible
-    assert plan.cost <= fresh.cost * (1 + 1e-4)
+    assert 0.95 * fresh.cost < plan.cost <= fresh.cost * (1 + 1e-4)  # the warm start may find a better minimum
 
 
 def test_the_warm_start_is_used(gait_map: GaitMap, parts: Parts) -> None:
@@ -91,7 +94,7 @@ def test_failure_is_said_with_the_least_infeasible_motion(walker: GaitMap, parts
 
 
 def test_a_solver_that_stops_early_is_not_believed(artifact: Path, parts: Parts) -> None:
-    path = publish(artifact.parents[1] / "hasty", replace(parts, solver_options={"max_iter": 1}))
+    path = publish(artifact.parents[1] / "hasty", dataclasses.replace(parts, solver_options={"max_iter": 1}))
     plan = GaitMap.load(path).plan(0.55, 1.1)
     assert plan.path == "failed"
     assert [gait for gait, _ in plan.tried] == ["walking", "gallop"]
@@ -118,6 +121,47 @@ def test_a_solver_that_throws_costs_one_gait(artifact: Path, monkeypatch: pytest
     assert plan.feasible
     assert (plan.gait, plan.path) == ("walking", "next:1")
     assert "the solver failed: singular" in plan.tried[0][1]
+
+
+class Scripted:
+    """A refiner whose solves end as told: (violation, solver status) by gait."""
+
+    def __init__(self, gait_map: GaitMap, *ends: tuple[float, str]) -> None:
+        self._trajectory = gait_map.select(0.9, 0.6).warm_start
+        self._ends = ends
+
+    def solve(self, gait: int, speed: float, cycle_duration: float) -> Attempt:
+        fields = {field.name: getattr(self._trajectory, field.name) for field in dataclasses.fields(Trajectory)}
+        violation, status = self._ends[gait]
+        return Attempt(Trajectory(**fields), 10.0 + gait, violation, 7, status)
+
+
+GOOD, LIMIT = "Solve_Succeeded", "Maximum_Iterations_Exceeded"
+
+
+@pytest.mark.parametrize(
+    ("ends", "gait", "path", "feasible", "outcomes"),
+    [
+        ([(0.0, GOOD), (0.0, GOOD)], "walking", "first", True, ["solved"]),
+        # The solver's success is not believed when the check disagrees.
+        ([(1e-3, GOOD), (0.0, GOOD)], "gallop", "next:1", True, ["infeasible: violation 1.0e-03", "solved"]),
+        # Feasible but no minimum: another gait is tried, and the motion kept when none is better.
+        ([(0.0, LIMIT), (0.0, GOOD)], "gallop", "next:1", True, ["not converged", "solved"]),
+        ([(1e-9, LIMIT), (1e-2, LIMIT)], "walking", "failed", True, ["not converged", "infeasible"]),
+        ([(np.inf, LIMIT), (1e-2, GOOD)], "gallop", "failed", False, ["infeasible: violation inf", "infeasible"]),
+    ],
+)
+def test_both_the_check_and_the_solver_must_agree(
+    gait_map: GaitMap, ends: list, gait: str, path: str, feasible: bool, outcomes: list[str]
+) -> None:
+    ranked = [(index, each, 0.5 - 0.1 * index) for index, each in enumerate(gait_map.gaits)]
+    plan = refine_ranked(Scripted(gait_map, *ends), ranked, 0.9, 0.6, started=0.0)
+    assert (plan.gait, plan.path, plan.feasible) == (gait, path, feasible)
+    assert [name for name, _ in plan.tried] == ["walking", "gallop"][: len(outcomes)]
+    assert all(said.startswith(outcome) for (_, said), outcome in zip(plan.tried, outcomes, strict=True))
+    assert plan.iterations == 7 * len(outcomes)
+    assert plan.cost == (10.0 if gait == "walking" else 11.0)
+    assert plan.probability == (0.5 if gait == "walking" else 0.4)
 
 
 @pytest.mark.parametrize("top", [0, -1, 1.5, "2", None, True])
