@@ -7,6 +7,8 @@ import re
 import subprocess
 import sys
 import tomllib
+from collections.abc import Mapping
+from functools import cache
 from importlib.metadata import packages_distributions
 from pathlib import Path
 
@@ -22,6 +24,15 @@ MEGABYTE = 1_000_000
 PROGRAMS = {"snakemake"}
 # What a planner imports; the rest of the package belongs to map makers.
 THIN = ("gaits.py", "check.py", "trajectory.py", "runtime/")
+# The extras that a part of the package may count on, beside the base install.
+EXTRAS = {
+    "problem/": ("solve",),
+    "solve/": ("solve",),
+    "dataset/": ("solve", "workflow"),
+    "execute/": ("solve", "workflow"),
+    "learn/": ("solve", "learn"),
+    "report/": ("solve", "workflow", "report"),
+}
 
 
 @pytest.fixture(scope="module")
@@ -44,6 +55,12 @@ def _names(requirements: list[Requirement]) -> set[str]:
     return {canonicalize_name(requirement.name) for requirement in requirements}
 
 
+@cache
+def _owners() -> Mapping[str, list[str]]:
+    """Distributions by the module they install; slow to find out."""
+    return packages_distributions()
+
+
 def _third_party_imports(file: Path) -> set[str]:
     """Distributions that the module imports anywhere, also inside functions; the standard library left out."""
     modules: set[str] = set()
@@ -52,7 +69,7 @@ def _third_party_imports(file: Path) -> set[str]:
             modules.update(alias.name.split(".")[0] for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.level == 0 and node.module:
             modules.add(node.module.split(".")[0])
-    owners = packages_distributions()
+    owners = _owners()
     modules -= set(sys.stdlib_module_names) | {"gaitflow"}
     return {canonicalize_name(owners.get(module, [module])[0]) for module in modules}
 
@@ -88,13 +105,23 @@ def test_base_install_is_what_the_thin_modules_import(checkout: Path, project: d
         assert found <= allowed, f"gaitflow/{name} imports {sorted(found - allowed)}, not in the base install"
 
 
+def test_each_part_imports_what_its_extras_install(checkout: Path, project: dict[str, list[Requirement]]) -> None:
+    imports = _imports_of_package(checkout)
+    for part, extras in EXTRAS.items():
+        installed = set().union(*(_names(project[extra]) for extra in ("", *extras)))
+        files = {name: found - installed for name, found in imports.items() if name.startswith(part)}
+        assert files
+        assert not {name: missing for name, missing in files.items() if missing}, f"not in {extras}"
+
+
 def test_every_import_is_declared_and_every_declared_library_is_used(
     checkout: Path, project: dict[str, list[Requirement]]
 ) -> None:
     declared = set().union(*(_names(group) for extra, group in project.items() if extra != "dev"))
     imported = set().union(*_imports_of_package(checkout).values())
-    assert not imported - declared, "imported, in no extra of pyproject.toml"
-    assert not declared - imported - PROGRAMS, "in pyproject.toml, imported nowhere"
+    undeclared, unused = imported - declared, declared - imported - PROGRAMS
+    assert not undeclared, "imported, in no extra of pyproject.toml"
+    assert not unused, "in pyproject.toml, imported nowhere"
 
 
 def test_links_of_every_page_lead_somewhere(checkout: Path, tracked: list[Path]) -> None:
