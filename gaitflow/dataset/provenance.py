@@ -58,7 +58,7 @@ def dataset_record(scenario: Scenario, digests: Sequence[str], parts: Sequence[M
 
 
 def read_record(metadata: Mapping[bytes, bytes] | None, source: str) -> dict[str, Any]:
-    """The record among a Parquet file's key-value metadata. Raises ValueError that names `source` without one we read."""
+    """The record in a Parquet file's key-value metadata. Raises ValueError that names `source` without one we read."""
     try:
         record = json.loads((metadata or {})[KEY])
         kind, number = record["kind"], record["format"]

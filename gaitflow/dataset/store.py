@@ -24,6 +24,7 @@ from gaitflow.dataset import seal
 from gaitflow.dataset.attempts import Attempts
 from gaitflow.dataset.provenance import KEY, read_record, unit_record
 from gaitflow.dataset.schema import Sizes, schema_difference, solution_schema, solutions_to_table
+from gaitflow.dataset.tasks import Task
 from gaitflow.dataset.units import Unit
 from gaitflow.files import TEMPORARY, atomic_write, new_file
 from gaitflow.scenario import digest_of
@@ -65,8 +66,13 @@ class UnitStore:
     def write(self, unit: Unit, solutions: Sequence[Solution], solver_options: Mapping[str, Any]) -> bool:
         """Store a unit's solutions durably: False when another process had stored the unit before.
 
-        Raises WriteError when the disk refuses, ValueError when an array has not the scenario's shape.
+        Raises WriteError when the disk refuses, ValueError when an array has not the scenario's shape or when the
+        solutions are not those of the unit's tasks.
         """
+        given = {Task(row.speed, row.cycle_duration, row.split) for row in solutions}
+        if given != set(unit.tasks):
+            odd = sorted(given ^ set(unit.tasks))
+            raise ValueError(f"the solver's rows and the unit's tasks differ, for one in {odd[0]}")
         table = solutions_to_table(solutions, Sizes.of(unit.scenario))
         try:
             with new_file(self.path(unit.digest), replace=False) as file:

@@ -142,3 +142,10 @@ def test_only_old_leftovers_are_removed(store: UnitStore, units: tuple[Unit, ...
     os.utime(old, (time.time() - 7200,) * 2)
     assert store.remove_leftovers() == 1
     assert new.exists() and not old.exists()
+
+
+def test_rows_of_other_tasks_are_refused(store: UnitStore, units: tuple[Unit, ...], make_solutions: Make) -> None:
+    for rows in ([], make_solutions(units[0])[3:], make_solutions(units[0]) + make_solutions(units[1])):
+        with pytest.raises(ValueError, match="rows and the unit's tasks differ"):
+            store.write(units[0], rows, OPTIONS)
+    assert not store.has(units[0])

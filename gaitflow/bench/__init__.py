@@ -1,0 +1,1 @@
+"""Benchmarks whose results are committed: each module makes one JSON document."""

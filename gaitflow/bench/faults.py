@@ -1,0 +1,275 @@
+"""kill -9 at random moments: does the dataset come out the same, and is no solved unit solved again?
+
+`python -m gaitflow.bench.faults` solves a small scenario undisturbed, then again and again while it kills, in turn, a
+random Dask worker or the whole run, and starts a killed run anew. Whether a unit was repeated is judged from outside,
+by the journal's starts against the time of the stored file, not by the code under test. Linux only (/proc).
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import random
+import signal
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, Literal
+
+import pandas as pd
+
+from gaitflow.dataset.collect import collect
+from gaitflow.dataset.provenance import made_by
+from gaitflow.dataset.read import load_solutions
+from gaitflow.dataset.store import UnitStore
+from gaitflow.dataset.units import plan_units
+from gaitflow.execute.journal import Entry, read_journal
+from gaitflow.execute.local import local_client
+from gaitflow.execute.run import run_units
+from gaitflow.scenario import Scenario, load_scenario
+
+Fault = Literal["worker", "run"]
+QUIET_S = (0.5, 6.0)  # time from one kill to the next, drawn uniformly
+LOOK_S = 0.05
+ORPHAN_GRACE_S = 5.0
+ENDS_WITHIN_S = 600.0
+DRIVE = "from gaitflow.bench.faults import drive; drive()"
+
+
+@dataclass(frozen=True)
+class Kill:
+    """One kill: when (seconds since 1970), which units were in work, and processes of a killed run that outlived it."""
+
+    fault: Fault
+    time: float
+    in_flight: frozenset[str]
+    orphans: int
+
+
+@dataclass(frozen=True)
+class Round:
+    """One disturbed run to its end: its kills, its journal, when each part was stored, and its dataset."""
+
+    kills: tuple[Kill, ...]
+    journal: tuple[Entry, ...]
+    stored: dict[str, float]
+    frame: pd.DataFrame | None  # None when it did not end
+
+
+def faults(scenario: Scenario, tasks: int = 12, kills: int = 20, seed: int = 0) -> dict[str, Any]:
+    """The benchmark's document. `scenario` is cut to about `tasks` grid tasks over its range, one a unit."""
+    small, chance = _cut(scenario, tasks), random.Random(seed)
+    pending: list[Fault] = [("worker", "run")[i % 2] for i in range(kills)]
+    rounds: list[Round] = []
+    with tempfile.TemporaryDirectory() as folder:
+        reference = _round(small, Path(folder, "undisturbed"), [], chance).frame
+        assert reference is not None, "the undisturbed run did not end"
+        while pending:
+            rounds.append(_round(small, Path(folder, f"round-{len(rounds)}"), pending, chance))
+            done = sum(len(each.kills) for each in rounds)
+            print(f"{done} of {kills} kills in {len(rounds)} round(s)", file=sys.stderr, flush=True)
+    differences = [_difference(reference, each.frame) for each in rounds]
+    equal = [difference for difference in differences if difference is not None]
+    rows = [_row(fault, rounds, differences) for fault in ("worker", "run")]
+    machine = made_by()
+    return {
+        "bench": "faults",
+        "scenario": scenario.name,
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "machine": {"cpu": machine["cpu"], "cores": os.cpu_count(), "system": machine["system"]},
+        "versions": {"gaitflow": machine["code"], "python": machine["python"], **machine["packages"]},
+        "rows": rows,
+        "summary": {
+            "kills": sum(row["kills"] for row in rows),
+            "ended": sum(row["ended"] for row in rows),
+            "repeated": sum(row["repeated"] for row in rows),
+            "lost_in_flight": sum(row["lost_in_flight"] for row in rows),
+            "orphans": sum(kill.orphans for each in rounds for kill in each.kills),
+            "rounds": len(rounds),
+            "units": len(plan_units(small)),
+            "solutions": len(reference),
+            "cost_difference_max_rel": max(equal) if len(equal) == len(rounds) else None,
+        },
+    }
+
+
+def drive() -> None:
+    """The run that gets killed: a program of its own, `SCENARIO.json STORE` its arguments."""
+    file, folder = sys.argv[1:3]
+    scenario = Scenario.from_data(json.loads(Path(file).read_text(encoding="utf-8")), file)
+    run_units(plan_units(scenario), UnitStore(Path(folder)), local_client)
+
+
+def _cut(scenario: Scenario, tasks: int) -> Scenario:
+    data = scenario.as_data()
+    grid = data["tasks"]
+    grid["cycle_duration"]["count"], grid["speed"]["count"] = 2, max(2, tasks // 2)
+    grid["held_out"] = 0
+    data["strategy"]["tasks_per_unit"] = 1
+    return Scenario.from_data(data, scenario.name)
+
+
+def _round(scenario: Scenario, folder: Path, pending: list[Fault], chance: random.Random) -> Round:
+    """Run to the end under kills taken from the end of `pending`; what the run does not live to see stays there."""
+    folder.mkdir()
+    file = folder / "scenario.json"
+    file.write_text(json.dumps(scenario.as_data()), encoding="utf-8")
+    store, kills, deadline = UnitStore(folder / "run"), list[Kill](), time.monotonic() + ENDS_WITHIN_S
+    code: int | None = -signal.SIGKILL
+    while code == -signal.SIGKILL and time.monotonic() < deadline:
+        with _driven(file, store.folder) as run:
+            while run.poll() is None and time.monotonic() < deadline:
+                if not pending:
+                    _wait(run, deadline - time.monotonic())
+                    continue
+                # Counted from when there is something to disturb, not from an interpreter's start.
+                if _in_work(run.pid) and not _wait(run, chance.uniform(*QUIET_S)):
+                    kill = _kill(run, pending[-1], store, chance)
+                    if kill is not None:
+                        kills.append(kill)
+                        pending.pop()
+                time.sleep(LOOK_S)
+            code = run.poll()
+    stored = {digest: store.path(digest).stat().st_mtime for digest in store.solved()}
+    frame = load_solutions(collect(store, scenario)).frame() if code == 0 else None
+    return Round(tuple(kills), tuple(read_journal(store.folder / "journal")), stored, frame)
+
+
+@contextmanager
+def _driven(file: Path, folder: Path) -> Iterator[subprocess.Popen[bytes]]:
+    with open(file.with_suffix(".log"), "ab") as log:
+        run = subprocess.Popen([sys.executable, "-c", DRIVE, str(file), str(folder)], stdout=log, stderr=log)
+    try:
+        yield run
+    finally:
+        run.kill()
+        run.wait()
+
+
+def _kill(run: subprocess.Popen[bytes], fault: Fault, store: UnitStore, chance: random.Random) -> Kill | None:
+    """Kill now; None when there was nothing to kill, as the run was ending or starting a worker."""
+    everyone, workers = _descendants(run.pid), _workers(run.pid)
+    if not workers or run.poll() is not None:
+        return None
+    solved = store.solved()
+    started = {entry.unit for entry in read_journal(store.folder / "journal") if entry.event == "start"}
+    now = time.time()
+    os.kill(chance.choice(workers) if fault == "worker" else run.pid, signal.SIGKILL)
+    orphans = 0
+    if fault == "run":
+        run.wait()
+        deadline = time.monotonic() + ORPHAN_GRACE_S
+        while (orphans := sum(map(_alive, everyone))) and time.monotonic() < deadline:
+            time.sleep(LOOK_S)
+    return Kill(fault, now, frozenset(started - solved), orphans)
+
+
+def _row(fault: Fault, rounds: Sequence[Round], differences: Sequence[float | None]) -> dict[str, Any]:
+    """`ended`: kills in rounds that ended with the undisturbed dataset. `repeated`: units started again after their
+    part was stored, in rounds by the last kill before. `lost_in_flight`: units in work at a kill that had to be
+    started again. `recovered_s`: median seconds from the kill to that start."""
+    mine = [(each, i) for each in rounds for i, kill in enumerate(each.kills) if kill.fault == fault]
+    good = [each.frame is not None and d is not None for each, d in zip(rounds, differences, strict=True)]
+    recovered, repeated = list[float](), 0
+    for each, i in mine:
+        kill = each.kills[i]
+        until = each.kills[i + 1].time if i + 1 < len(each.kills) else float("inf")
+        after = [e for e in each.journal if e.event == "start" and kill.time < e.time < until]
+        repeated += sum(e.time > each.stored.get(e.unit, float("inf")) for e in after)
+        again = {e.unit: e.time - kill.time for e in reversed(after) if e.unit in kill.in_flight}
+        recovered += again.values()
+    return {
+        "fault": fault,
+        "kills": len(mine),
+        "ended": sum(ok for each, ok in zip(rounds, good, strict=True) for kill in each.kills if kill.fault == fault),
+        "repeated": repeated,
+        "lost_in_flight": len(recovered),
+        "recovered_s": round(statistics.median(recovered), 2) if recovered else None,
+    }
+
+
+def _difference(reference: pd.DataFrame, frame: pd.DataFrame | None) -> float | None:
+    """Largest relative difference of costs; None unless rows, patterns and statuses are equal and it is <= 1e-9."""
+    columns = ["split", "cycle_duration", "speed", "pattern", "gait", "seed", "status"]
+    if frame is None or not reference[columns].equals(frame[columns]):
+        return None
+    if not reference["cost"].isna().equals(frame["cost"].isna()):
+        return None
+    largest = float(((frame["cost"] - reference["cost"]).abs() / reference["cost"].abs()).max())
+    return largest if largest <= 1e-9 else None
+
+
+def _in_work(pid: int) -> bool:
+    """Whether a solver process is at work for this run: a child of a worker."""
+    return any(_descendants(worker) for worker in _workers(pid))
+
+
+def _workers(pid: int) -> list[int]:
+    return [child for child in _children(pid) if b"spawn_main" in _command(child)]
+
+
+def _descendants(pid: int) -> list[int]:
+    return [each for child in _children(pid) for each in (child, *_descendants(child))]
+
+
+def _children(pid: int) -> list[int]:
+    try:
+        threads = list(Path(f"/proc/{pid}/task").iterdir())
+        return [int(child) for thread in threads for child in (thread / "children").read_text().split()]
+    except OSError:
+        return []
+
+
+def _command(pid: int) -> bytes:
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes()
+    except OSError:
+        return b""
+
+
+def _alive(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def _wait(run: subprocess.Popen[bytes], seconds: float) -> bool:
+    """Whether the run ended within that time."""
+    try:
+        run.wait(seconds)
+    except subprocess.TimeoutExpired:
+        return False
+    return True
+
+
+def main() -> None:
+    """Print the document, or write it to `--output`."""
+    parser = argparse.ArgumentParser(description="kill -9 of workers and of whole runs at random moments")
+    parser.add_argument("--scenario", type=Path, default=Path("configs/scenarios/quickstart.yaml"))
+    parser.add_argument("--tasks", type=int, default=12)
+    parser.add_argument("--kills", type=int, default=20)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--output", type=Path)
+    options = parser.parse_args()
+    document = faults(load_scenario(options.scenario), options.tasks, options.kills, options.seed)
+    text = json.dumps(document, indent=2) + "\n"
+    if options.output:
+        options.output.write_text(text, encoding="utf-8")
+    else:
+        print(text, end="")
+    summary = document["summary"]
+    bad = summary["repeated"] or summary["orphans"] or summary["ended"] < summary["kills"]
+    sys.exit(1 if bad else 0)
+
+
+if __name__ == "__main__":
+    main()

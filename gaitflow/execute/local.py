@@ -1,0 +1,56 @@
+"""A Dask cluster of this machine: worker processes on the loopback interface, one thread each."""
+
+from __future__ import annotations
+
+import logging
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from multiprocessing import resource_tracker
+
+import dask
+from distributed import Client, LocalCluster
+
+SETTINGS = {
+    # Attempts are counted by the store, where they outlive the scheduler; a worker's death is no unit's fault.
+    "distributed.scheduler.allowed-failures": 1_000_000,
+    # Nothing is served over HTTP.
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
+    "distributed.admin.tick.limit": "30s",
+}
+
+
+@contextmanager
+def local_client(workers: int = 2) -> Iterator[Client]:
+    """A client of `workers` new worker processes, closed with them at the end of the block.
+
+    Workers that die are replaced. They never see a terminal's Ctrl-C: the run stops them.
+    """
+    with dask.config.set(SETTINGS), _without_ctrl_c():
+        cluster = LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            processes=True,
+            host="127.0.0.1",
+            dashboard_address="127.0.0.1:0",
+            scheduler_kwargs={"dashboard": False},
+            memory_limit=0,
+            silence_logs=logging.CRITICAL,
+        )
+    with cluster, Client(cluster) as client:
+        yield client
+
+
+@contextmanager
+def _without_ctrl_c() -> Iterator[None]:
+    """Block SIGINT while the cluster's event loop starts: its thread, and every worker it ever starts, inherit that.
+
+    A Ctrl-C in between is delivered to us at the end of the block.
+    """
+    resource_tracker.ensure_running()  # started later, it would unblock SIGINT in that thread
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -1,0 +1,34 @@
+"""The small note that travels back when a unit was worked on; solutions themselves never leave the store."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from typing import Literal
+
+# solved: stored now. already: another process had stored it. failed: given up after too many attempts, stored so.
+# raised: the solver threw (the child's word only, it costs an attempt). refused: the run itself cannot go on.
+Outcome = Literal["solved", "already", "failed", "raised", "refused"]
+
+
+@dataclass(frozen=True)
+class Receipt:
+    """What became of one unit: `error` says why when it was not solved, `attempts` lists those lost on the way."""
+
+    unit: str
+    outcome: Outcome
+    error: str = ""
+    attempts: tuple[str, ...] = ()
+
+    def to_line(self) -> str:
+        """One line of JSON."""
+        return json.dumps(asdict(self)) + "\n"
+
+    @classmethod
+    def from_line(cls, line: str | bytes) -> Receipt:
+        """Inverse of `to_line`. Raises ValueError for anything else."""
+        try:
+            data = json.loads(line)
+            return cls(**{**data, "attempts": tuple(data["attempts"])})
+        except (KeyError, TypeError) as error:
+            raise ValueError(f"not a receipt: {error}") from None

@@ -1,0 +1,186 @@
+"""Running a plan to its end on any Dask cluster: list the store, submit what is missing, a bounded window at a time.
+
+Only receipts travel; a worker stores what it solved. So whatever dies, a worker, the scheduler or this process,
+the next run finds every finished unit in the store and solves none of them again.
+"""
+
+from __future__ import annotations
+
+import json
+import random
+import signal
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass
+from types import FrameType
+
+from distributed import Client, Future, wait
+
+from gaitflow.dataset.attempts import MAX_ATTEMPTS
+from gaitflow.dataset.store import UnitStore
+from gaitflow.dataset.units import Unit
+from gaitflow.execute.receipt import Receipt
+from gaitflow.execute.solver import SolverClosed
+from gaitflow.execute.solver_process import SOLVE
+from gaitflow.execute.worker import SolverPlugin, solve_unit
+
+UNITS_PER_WORKER = 3  # submitted at a time: one in work, the next at hand
+LOOK_S = 0.3  # how often a wait looks up for a request to stop
+MAX_ROUNDS = 4  # of solving parts again that turned out damaged
+
+
+class RunStopped(Exception):
+    """The user stopped the run; the message says what is done and how to go on."""
+
+
+class RunFailed(Exception):
+    """The run cannot go on; the message says why and what to do. Finished units are kept."""
+
+
+@dataclass(frozen=True)
+class RunState:
+    """Counts of units: `total` = `solved` + `failed` + `left`; `found` were stored before. `notes` are news."""
+
+    total: int
+    found: int
+    solved: int
+    failed: int
+    notes: tuple[str, ...] = ()
+
+    @property
+    def left(self) -> int:
+        """Units that are neither solved nor given up."""
+        return self.total - self.solved - self.failed
+
+
+OpenClient = Callable[[], AbstractContextManager[Client]]
+OnEvent = Callable[[RunState], None]
+
+
+def run_units(
+    units: Sequence[Unit],
+    store: UnitStore,
+    open_client: OpenClient,
+    on_event: OnEvent = lambda state: None,
+    window: int | None = None,
+    solve: str = SOLVE,
+) -> RunState:
+    """Solve every unit that the store lacks, then check all parts and solve damaged ones again.
+
+    `open_client` makes a cluster and a client for the length of a block, such as `local_client`; it is not called
+    when nothing is missing. `window` bounds the units submitted at a time (default: 3 a worker). `on_event` hears of
+    every change. Ctrl-C and SIGTERM end the run cleanly with RunStopped. Raises RunFailed when no unit can be stored.
+    """
+    store.remove_leftovers()
+    for _ in range(MAX_ROUNDS):
+        stored = store.solved()
+        failed = store.attempts.given_up() & stored
+        missing = [unit for unit in units if unit.digest not in stored]
+        count = _Count(units, stored, failed, on_event)
+        if missing:
+            # In random order the time left is estimated from a fair sample, and two runs on one store seldom meet.
+            random.shuffle(missing)
+            with _stop_request() as stop, open_client() as client:
+                _drain(missing, store, client, count, stop, window, solve)
+            if stop.is_set() and count.state.left:
+                raise RunStopped(
+                    f"stopped: {count.state.total - count.state.left} of {count.state.total} units are stored in "
+                    f"{store.folder}; run the same command again to go on"
+                )
+        damaged = store.validate_all(units)
+        if not damaged:
+            return count.state
+        count.tell(*(f"damaged part, will be solved again: {reason}" for reason in damaged.values()))
+    raise RunFailed(f"{store.folder}: parts were damaged {MAX_ROUNDS} times in a row; check that disk")
+
+
+class _Count:
+    def __init__(self, units: Sequence[Unit], stored: frozenset[str], failed: set[str], on_event: OnEvent) -> None:
+        digests = {unit.digest for unit in units}
+        found = len(digests & stored)
+        gone = len(digests & failed)
+        self._on_event = on_event
+        self.state = RunState(len(digests), found, found - gone, gone)
+        self.tell()
+
+    def tell(self, *notes: str, solved: int = 0, failed: int = 0) -> None:
+        state = self.state
+        self.state = RunState(state.total, state.found, state.solved + solved, state.failed + failed, notes)
+        self._on_event(self.state)
+
+    def add(self, receipt: Receipt) -> None:
+        name = receipt.unit[:12]
+        notes = [f"unit {name}: {reason}" for reason in receipt.attempts]
+        if receipt.outcome == "failed":
+            notes.append(f"unit {name}: given up after {MAX_ATTEMPTS} attempts: {receipt.error}")
+        failed = int(receipt.outcome == "failed")
+        self.tell(*notes, solved=1 - failed, failed=failed)
+
+
+def _drain(
+    missing: list[Unit],
+    store: UnitStore,
+    client: Client,
+    count: _Count,
+    stop: threading.Event,
+    window: int | None,
+    solve: str,
+) -> None:
+    client.register_plugin(SolverPlugin(solve))
+    folder = str(store.folder.resolve())
+    queue = missing[::-1]
+    flying: dict[Future[Receipt], Unit] = {}
+    while (queue or flying) and not stop.is_set():
+        room = window or UNITS_PER_WORKER * max(1, len(client.scheduler_info(n_workers=-1)["workers"]))
+        while queue and len(flying) < room:
+            unit = queue.pop()
+            # Not pure: a unit that is submitted again must not be answered by what Dask remembers of it.
+            flying[client.submit(solve_unit, json.dumps(unit.as_data()), folder, pure=False)] = unit
+        for future in _finished(list(flying)):
+            unit = flying.pop(future)
+            receipt = _receipt(future)
+            if receipt is None:
+                queue.append(unit)
+            elif receipt.outcome == "refused":
+                raise RunFailed(receipt.error)
+            else:
+                count.add(receipt)
+
+
+def _finished(flying: list[Future[Receipt]]) -> set[Future[Receipt]]:
+    try:
+        return set(wait(flying, timeout=LOOK_S, return_when="FIRST_COMPLETED").done)
+    except TimeoutError:
+        return set()
+
+
+def _receipt(future: Future[Receipt]) -> Receipt | None:
+    """What a finished task returned; None when its worker went away and the unit has to be submitted again."""
+    if future.status == "finished":
+        result = future.result()
+        assert isinstance(result, Receipt)
+        return result
+    error = future.exception() if future.status == "error" else None
+    if error is None or isinstance(error, SolverClosed):
+        return None
+    raise RunFailed(f"a worker cannot run units ({type(error).__name__}: {error})") from error
+
+
+@contextmanager
+def _stop_request() -> Iterator[threading.Event]:
+    """An event set by Ctrl-C or SIGTERM instead of an exception in the middle of whatever is going on."""
+    stop = threading.Event()
+    if threading.current_thread() is not threading.main_thread():
+        yield stop
+        return
+
+    def ask(number: int, frame: FrameType | None) -> None:
+        stop.set()
+
+    before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield stop
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,174 @@
+"""A worker's handle on its solver process: starts it, feeds it, and outlives its crashes and hangs."""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import replace
+from typing import IO
+
+from gaitflow.dataset.attempts import MAX_ATTEMPTS, failed_solutions
+from gaitflow.dataset.store import UnitStore
+from gaitflow.dataset.units import Unit
+from gaitflow.execute.receipt import Receipt
+from gaitflow.execute.solver_process import SOLVE
+from gaitflow.files import WriteError
+
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+START_UP_S = 60.0
+LONGEST_UNIT_S = 3600.0
+CHUNK = 1 << 16
+
+
+class SolverClosed(Exception):
+    """The worker is being closed: this says nothing about the unit, which has to be solved elsewhere."""
+
+
+class _Lost(Exception):
+    """The solver process ended or hung; the message is the reason of an attempt."""
+
+
+class Solver:
+    """One solver process, restarted when it is lost. `run` may be called by one thread, `close` by any."""
+
+    def __init__(self, solve: str = SOLVE) -> None:
+        self._solve = solve
+        self._process: subprocess.Popen[bytes] | None = None
+        self._errors: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115, lives as long as this object
+        self._closed = False
+        self._lock = threading.Lock()
+        # The kernel's "parent died" means the *thread* that started a child, so that thread must stay.
+        self._starter = ThreadPoolExecutor(1, "solver-starter")
+
+    def run(self, unit: Unit, store: UnitStore, limit_s: float | None = None) -> Receipt:
+        """Have a unit solved and stored, at most MAX_ATTEMPTS times over all runs; then it is stored as failed.
+
+        Raises SolverClosed when `close` was called meanwhile.
+        """
+        lost: list[str] = []
+        limit = time_limit(unit) if limit_s is None else limit_s
+        try:
+            while store.attempts.count(unit) < MAX_ATTEMPTS:
+                receipt = self._attempt(unit, store, limit)
+                if receipt.outcome != "raised":
+                    return replace(receipt, attempts=tuple(lost))
+                lost.append(receipt.error)
+                store.attempts.record(unit, receipt.error, self._tail())
+            attempts = store.attempts.of(unit)
+            kept = store.write(unit, failed_solutions(unit, attempts), {})
+        except WriteError as error:
+            return Receipt(unit.digest, "refused", str(error.args[-1]), tuple(lost))
+        return Receipt(unit.digest, "failed" if kept else "already", attempts[-1].reason, tuple(lost))
+
+    def close(self) -> None:
+        """End the solver process now; a unit in flight raises SolverClosed in the thread that runs it."""
+        with self._lock:
+            self._closed = True
+            if self._process is not None:  # whoever waits for its answer tidies up
+                self._process.kill()
+                self._process.wait()
+        self._starter.shutdown(wait=False)
+
+    def _attempt(self, unit: Unit, store: UnitStore, limit: float) -> Receipt:
+        request = json.dumps({"unit": unit.as_data(), "store": str(store.folder.resolve())}) + "\n"
+        try:
+            process = self._started()
+            self._errors.seek(0)
+            self._errors.truncate()
+            return Receipt.from_line(_ask(process, request.encode(), limit))
+        except _Lost as lost:
+            with self._lock:
+                ending = self._end()
+                if self._closed:
+                    raise SolverClosed("the worker is closing") from None
+            return Receipt(unit.digest, "raised", str(lost) or ending)
+
+    def _started(self) -> subprocess.Popen[bytes]:
+        with self._lock:
+            if self._closed:
+                raise SolverClosed("the worker is closing")
+            if self._process is None or self._process.poll() is not None:
+                self._process = self._starter.submit(self._start).result()
+            return self._process
+
+    def _start(self) -> subprocess.Popen[bytes]:
+        module = "gaitflow.execute.solver_process"
+        return subprocess.Popen(
+            [sys.executable, "-m", module, "--parent", str(os.getpid()), "--solve", self._solve],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self._errors,
+            env=os.environ | ONE_THREAD,
+            start_new_session=True,  # a terminal's Ctrl-C is not meant for it
+        )
+
+    def _end(self) -> str:
+        """Kill and reap the process; what ended it when it was not us."""
+        process, self._process = self._process, None
+        if process is None:
+            return "lost"
+        with suppress(subprocess.TimeoutExpired):  # a dying process may take a moment to be reported
+            process.wait(0.2)
+        code = process.poll()
+        process.kill()
+        process.wait()
+        for stream in (process.stdin, process.stdout):
+            with suppress(OSError):
+                if stream is not None:
+                    stream.close()
+        if code is None:
+            return "stopped answering"
+        return f"crashed: {_signal_name(-code)}" if code < 0 else f"exited with code {code}"
+
+    def _tail(self) -> str:
+        self._errors.seek(0)
+        lines = self._errors.read(1 << 20).decode(errors="replace").splitlines()
+        return "\n".join(line for line in lines if not line.startswith("Extension modules:"))  # says nothing here
+
+
+def time_limit(unit: Unit) -> float:
+    """Seconds after which a unit counts as hung: its solver calls at their limit, 60 s to start, an hour at most."""
+    scenario = unit.scenario
+    strategy, legs, phases = scenario.strategy, len(scenario.robot.legs), scenario.transcription.phases
+    calls = {
+        "patterns": 2 ** (legs * phases) * (1 + strategy.restarts),
+        "fixed_gait": 1 + strategy.restarts,
+        "bonmin": len(unit.seeds or (0,)),
+    }[strategy.name]
+    return min(LONGEST_UNIT_S, START_UP_S + len(unit.tasks) * calls * strategy.solve_time_limit)
+
+
+def _ask(process: subprocess.Popen[bytes], request: bytes, limit: float) -> bytes:
+    """Send a line and wait for a line. Raises _Lost, with a reason when the process hung."""
+    assert process.stdin is not None and process.stdout is not None
+    try:
+        process.stdin.write(request)
+        process.stdin.flush()
+    except OSError:
+        raise _Lost("") from None
+    deadline, answer = time.monotonic() + limit, b""
+    while not answer.endswith(b"\n"):
+        left = deadline - time.monotonic()
+        if left <= 0 or not select.select([process.stdout], [], [], left)[0]:
+            raise _Lost(f"hung: no answer in {limit:.0f} s")
+        block = os.read(process.stdout.fileno(), CHUNK)
+        if not block:
+            raise _Lost("")
+        answer += block
+    return answer
+
+
+def _signal_name(number: int) -> str:
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"

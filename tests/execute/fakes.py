@@ -1,0 +1,79 @@
+"""Solvers with faults, in the place of `gaitflow.solve.solve_tasks`; run in the solver process by `--solve`.
+
+What they do is told by the environment, as they run two processes away from the test.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from gaitflow.dataset.tasks import Task
+from gaitflow.scenario import Scenario
+from gaitflow.solve.solution import Solution
+
+
+def steady(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+    """A row a task, after FAKE_SLEEP seconds; prints where a solver prints."""
+    print("a solver's chatter from Python", flush=True)
+    os.write(1, b"and from C\n")
+    time.sleep(float(os.environ.get("FAKE_SLEEP", "0")))
+    return [
+        Solution(
+            speed=task.speed,
+            cycle_duration=task.cycle_duration,
+            split=task.split,
+            pattern="0110/1100",
+            gait="0110/1100",
+            strategy=scenario.strategy.name,
+            start="nominal",
+            seed=0,
+            status="solved",
+            solver_status="Solve_Succeeded",
+            cost=task.speed * task.cycle_duration * scenario.robot.mass,
+            violation=0.0,
+            iterations=1,
+            solves=1,
+            wall_s=0.0,
+            cpu_s=time.process_time(),
+        )
+        for task in tasks
+    ]
+
+
+def throws(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+    raise RuntimeError("Uncaught error in Bonmin")
+
+
+def dies(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+    print("last words", file=sys.stderr, flush=True)
+    os.kill(os.getpid(), signal.SIGSEGV)
+    raise AssertionError("unreachable")
+
+
+def hangs(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+    Path(os.environ["FAKE_FOLDER"], f"hangs-{os.getpid()}").touch()
+    time.sleep(600)
+    return []
+
+
+def dies_once(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+    mark = Path(os.environ["FAKE_FOLDER"], scenario.name)
+    if not mark.exists():
+        mark.touch()
+        dies(scenario, tasks, seeds)
+    return steady(scenario, tasks, seeds)
+
+
+def leaves_tasks_out(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+    return steady(scenario, tasks, seeds)[1:]
+
+
+def dies_at_slowest(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+    if any(task.speed < 0.2 and task.split == "grid" for task in tasks):
+        dies(scenario, tasks, seeds)
+    return steady(scenario, tasks, seeds)

@@ -1,0 +1,65 @@
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from gaitflow.dataset.store import UnitStore
+from gaitflow.dataset.units import Unit
+from gaitflow.execute.journal import Journal, read_journal
+from gaitflow.execute.status import run_status
+from gaitflow.scenario import Scenario
+
+
+def pretend_solved(store: UnitStore, unit: Unit) -> None:
+    part = store.path(unit.digest)
+    part.parent.mkdir(parents=True, exist_ok=True)
+    part.touch()
+
+
+def test_before_during_and_after_a_run(store: UnitStore, scenario: Scenario, units: tuple[Unit, ...]) -> None:
+    before = run_status(scenario, store)
+    assert (before.units, before.left, before.cpu_hours_spent, before.cpu_hours_left) == (6, 6, 0.0, None)
+    assert not store.folder.exists(), "asking writes nothing"
+    journal = Journal(store.folder / "journal")
+    for unit in units[:2]:
+        journal.started(unit.digest)
+        journal.stored(unit.digest, cpu_s=1800.0, wall_s=2000.0, kept=True)
+        journal.stored(unit.digest, cpu_s=9999.0, wall_s=9999.0, kept=False)
+        pretend_solved(store, unit)
+    for _ in range(3):
+        store.attempts.record(units[2], "crashed: SIGSEGV")
+    pretend_solved(store, units[2])
+    during = run_status(scenario, store)
+    assert (during.solved, during.failed, during.left) == (2, 1, 3)
+    assert during.cpu_hours_spent == pytest.approx(1.0) and during.cpu_hours_left == pytest.approx(1.5)
+    assert [error.number for error in during.errors] == [3, 2, 1]
+    for unit in units:
+        pretend_solved(store, unit)
+    after = run_status(scenario, store)
+    assert (after.left, after.cpu_hours_left) == (0, 0.0)
+    assert json.loads(json.dumps(after.as_data()))["errors"][0]["reason"] == "crashed: SIGSEGV"
+
+
+def test_parts_of_other_plans_do_not_count(store: UnitStore, scenario: Scenario, units: tuple[Unit, ...]) -> None:
+    data = units[0].as_data()
+    data["strategy"]["seed"] = 77
+    pretend_solved(store, Unit.from_data(data))
+    assert run_status(scenario, store).left == 6
+
+
+def test_a_line_cut_short_is_left_out(store: UnitStore, units: tuple[Unit, ...]) -> None:
+    journal = Journal(store.folder / "journal")
+    journal.started(units[0].digest)
+    journal.stored(units[0].digest, 1.0, 1.0, True)
+    (file,) = (store.folder / "journal").iterdir()
+    file.write_text(file.read_text()[:-9])
+    assert [entry.event for entry in read_journal(file.parent)] == ["start"]
+
+
+def test_status_needs_no_dask() -> None:
+    code = "import sys, gaitflow.execute.status; print({'dask', 'distributed', 'casadi'} & set(sys.modules))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "dask" not in done.stdout and "distributed" not in done.stdout
