@@ -7,7 +7,8 @@ import casadi as ca
 
 def fraction_bounds(phases: int, shortest: float) -> tuple[float, float]:
     """Least and largest fraction of the cycle that one phase can take."""
-    return shortest, 1.0 - (phases - 1) * shortest
+    # Where the shortest phases just fill the cycle, rounding may put the difference below them: 1 - 4 * 0.2 < 0.2.
+    return shortest, max(shortest, 1.0 - (phases - 1) * shortest)
 
 
 def cycle_row(fractions: ca.SX) -> ca.SX:

@@ -1,0 +1,111 @@
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from gaitflow.gaits import Pattern
+from gaitflow.problem import GaitProblem, transcribe
+from gaitflow.problem.contact import fix_contacts, highest_lift, one_stance_rows
+from gaitflow.scenario import Scenario
+from gaitflow.solve import guess
+from gaitflow.trajectory import Array
+
+
+@pytest.mark.parametrize("phases", [2, 3, 4, 5, 6, 7])
+def test_one_stance_rows_admit_exactly_the_patterns_with_one_touchdown(phases: int) -> None:
+    rows, lower, upper = one_stance_rows(1, phases)
+    for digits in product("01", repeat=phases):
+        found = rows @ np.array(digits, dtype=float)
+        admitted = bool((found >= lower).all() and (found <= upper).all())
+        assert admitted == (Pattern(("".join(digits),)).touchdowns(0) == 1), digits
+
+
+def test_one_stance_rows_treat_legs_apart() -> None:
+    rows, lower, upper = one_stance_rows(2, 4)
+    single = one_stance_rows(1, 4)
+    assert len(rows) == len(lower) == len(upper) == 2 * len(single[0])
+    np.testing.assert_array_equal(rows, np.kron(np.eye(2), single[0]))
+
+
+def test_contacts_fix_what_eq_7_says_and_nothing_else(either: Scenario) -> None:
+    problem = transcribe(either)
+    layout = problem.layout
+    pattern = Pattern(("0110", "1000", "1111", "0000")[: layout.legs])
+    lower, upper = np.full(layout.nw, -np.inf), np.full(layout.nw, np.inf)
+    fix_contacts(layout, pattern, lower, upper)
+    fixed = np.zeros(layout.nw)
+    fixed[lower == upper] = 1
+    assert not lower[lower == upper].any()
+    assert np.isinf(lower[lower != upper]).all()
+    trajectory = layout.unpack(fixed / layout.scale(1.0), 1.0)  # ones where a variable is fixed
+    n = layout.knots_per_phase
+    for leg, row in enumerate(pattern.rows):
+        stands = np.repeat([digit == "1" for digit in row], n)
+        on_ground = np.append(stands, False) | np.append(False, stands)  # both ends of each stance step
+        assert (trajectory.forces[:, leg] == ~stands[:, None]).all()
+        assert (trajectory.foot_velocities[:, leg] == stands[:, None]).all()
+        assert (trajectory.feet[:, leg, -1] == on_ground).all()
+        assert not trajectory.feet[:, leg, :-1].any()
+    assert not trajectory.base.any()
+    assert not trajectory.durations.any()
+
+
+def _walking_like(problem: GaitProblem, pattern: Pattern) -> Array:
+    """A point w within the physical bounds whose contacts are exactly those of the pattern; not a motion."""
+    layout = problem.layout
+    w = guess.nominal(problem.scenario.robot, layout, 1.0, 0.6)
+    for step in range(layout.steps):
+        for leg, stands in enumerate(pattern.column(layout.phase_of(step))):
+            w[layout.foot_velocity(step, leg) if stands else layout.force(step, leg)] = 0.0
+            w[layout.foot(step, leg).stop - 1] = 0.0 if stands else 0.1
+    return w
+
+
+def test_big_m_rows_and_bounds_switch_the_same_conditions(either: Scenario) -> None:
+    """A point passes the big-M rows of exactly those patterns whose fixed variables it has at zero."""
+    problem = transcribe(either)
+    layout = problem.layout
+    true = Pattern(("0110", "1100", "0011", "1001")[: layout.legs])
+    w = _walking_like(problem, true)
+    rng = np.random.default_rng(0)
+    others = ["".join(rng.choice(["0", "1"], 4)) for _ in range(60 * layout.legs)]
+    patterns = [true] + [Pattern(tuple(others[i : i + layout.legs])) for i in range(0, len(others), layout.legs)]
+    patterns += [
+        Pattern(true.rows[:leg] + (row,) + true.rows[leg + 1 :]) for leg in range(layout.legs) for row in others
+    ]
+    big_m = slice(problem.ng, problem.ng + layout.steps * layout.legs * (2 * layout.dimension + 2))
+    passed = set()
+    for pattern in patterns:
+        contacts = [float(digit) for row in pattern.rows for digit in row]
+        rows = problem.minlp(np.append(w, contacts), [1.0, 0.6])[1].full().ravel()[big_m]
+        lower, upper = np.full(layout.nw, -np.inf), np.full(layout.nw, np.inf)
+        fix_contacts(layout, pattern, lower, upper)
+        # A stance's last knot belongs to the next phase: there the foot's velocity, not a row, keeps it down.
+        for leg, knot in product(range(layout.legs), range(0, layout.steps + 1, layout.knots_per_phase)):
+            if knot == layout.steps or not pattern.column(layout.phase_of(knot))[leg]:
+                height = layout.foot(knot, leg).stop - 1
+                lower[height], upper[height] = -np.inf, np.inf
+        bounded = bool(((w >= lower) & (w <= upper)).all())
+        assert bounded == bool((rows <= 1e-12).all()), pattern.text
+        passed.add(bounded)
+    assert passed == {True, False}
+
+
+@pytest.mark.parametrize("stands", [0, 1])
+def test_big_m_rows_cut_nothing_off_that_the_pattern_allows(either: Scenario, stands: int) -> None:
+    """At the largest forces in stance, and at the highest feet and fastest velocities in swing, rows still hold."""
+    problem = transcribe(either)
+    layout = problem.layout
+    bounds = problem.minlp_bounds()
+    for limit in (bounds.lower, bounds.upper):
+        w = np.append(np.where(np.isfinite(limit[: layout.nw]), limit[: layout.nw], 0.0), [stands] * 4 * layout.legs)
+        rows = problem.minlp(w, [1.0, 0.6])[1].full().ravel()
+        width = 2 * layout.dimension + 2
+        big_m = rows[problem.ng : problem.ng + layout.steps * layout.legs * width].reshape(-1, width)
+        assert (big_m[:, :1] if stands else big_m[:, 1:]).max() <= 1e-12
+
+
+def test_feet_may_be_lifted_by_the_longest_leg(anymal: Scenario) -> None:
+    assert highest_lift(anymal.robot) == pytest.approx(0.458 + 0.04)

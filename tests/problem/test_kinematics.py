@@ -1,0 +1,35 @@
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from gaitflow.problem.kinematics import foot_offsets
+from gaitflow.problem.layout import layout_of
+from gaitflow.scenario import Scenario
+from gaitflow.trajectory import Array
+
+
+def _offsets(scenario: Scenario, x: Array) -> Array:
+    layout = layout_of(scenario)
+    symbol = ca.SX.sym("x", layout.nx)
+    offsets = ca.Function("offsets", [symbol], [foot_offsets(scenario.robot, layout, symbol)])(x).full()
+    return offsets.reshape(layout.legs, layout.dimension)
+
+
+def test_a_foot_fixed_to_the_base_stays_at_its_offset(either: Scenario) -> None:
+    """However the base lies and turns, a foot carried rigidly at default + e is e away from its default."""
+    layout, rng = layout_of(either), np.random.default_rng(0)
+    d, a = layout.dimension, layout.angles
+    default = np.array([leg.default_foot for leg in either.robot.legs])
+    for _ in range(5):
+        x = rng.uniform(-1, 1, layout.nx)
+        angles = x[d : d + a]
+        if d == 2:  # nose up
+            c, s = np.cos(angles[0]), np.sin(angles[0])
+            to_world = np.array([[c, -s], [s, c]])
+        else:
+            to_world = Rotation.from_euler("ZYX", angles).as_matrix()
+        carried = rng.uniform(-0.2, 0.2, default.shape)
+        x[layout.nb :] = (x[:d] + (default + carried) @ to_world.T).ravel()
+        np.testing.assert_allclose(_offsets(either, x), carried, atol=1e-14)

@@ -1,0 +1,159 @@
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+import pytest
+
+from gaitflow.gaits import Pattern
+from gaitflow.problem import GaitProblem, transcribe
+from gaitflow.scenario import Objective, Scenario, Transcription
+from gaitflow.solve import guess
+from gaitflow.trajectory import Array
+
+TASK = np.array([0.8, 0.6])
+
+
+@pytest.fixture
+def problem(either: Scenario) -> GaitProblem:
+    """Every term of the cost at work, classical Runge-Kutta steps: the most nonlinear program there is."""
+    lateral = 4.0 if either.robot.dimension == 3 else 0.0
+    objective = Objective(
+        force=1e-3, tangential_velocity=2.0, normal_velocity=3.0, tilt=5.0, tilt_rate=7.0, lateral_foot=lateral
+    )
+    transcription = Transcription(knots_per_phase=3, integrator="rk4")
+    return transcribe(either.model_copy(update={"objective": objective, "transcription": transcription}))
+
+
+def _somewhere(problem: GaitProblem, seed: int = 0) -> Array:
+    rng = np.random.default_rng(seed)
+    return guess.random(problem.scenario.robot, problem.layout, *TASK, rng)
+
+
+def _pattern(problem: GaitProblem) -> Pattern:
+    return Pattern(("0110", "1100", "1111", "0000")[: problem.layout.legs])
+
+
+def test_first_derivatives_match_finite_differences(problem: GaitProblem) -> None:
+    w, layout = _somewhere(problem), problem.layout
+    symbol = ca.SX.sym("w", layout.nw)
+    cost, rows = problem.nlp(symbol, TASK)
+    derivatives = ca.Function("first", [symbol], [ca.gradient(cost, symbol), ca.jacobian(rows, symbol)])
+    gradient, jacobian = derivatives(w)
+    rng, e = np.random.default_rng(1), 1e-5
+    for _ in range(5):
+        direction = rng.normal(size=layout.nw)
+        (cost_up, rows_up), (cost_down, rows_down) = (problem.nlp(w + s * e * direction, TASK) for s in (1, -1))
+        assert float(gradient.T @ direction) == pytest.approx(float(cost_up - cost_down) / (2 * e), rel=1e-6)
+        numeric = ((rows_up - rows_down) / (2 * e)).full()
+        np.testing.assert_allclose((jacobian @ direction).full(), numeric, rtol=1e-6, atol=1e-6)
+
+
+def test_second_derivatives_match_finite_differences(problem: GaitProblem) -> None:
+    """Products of the Lagrangian's Hessian, the one IPOPT asks for, against differences of its gradient."""
+    w, layout = _somewhere(problem), problem.layout
+    rng, e = np.random.default_rng(2), 1e-5
+    multipliers = rng.normal(size=problem.ng)
+    symbol = ca.SX.sym("w", layout.nw)
+    cost, rows = problem.nlp(symbol, TASK)
+    hessian, gradient = ca.hessian(cost + ca.dot(multipliers, rows), symbol)
+    second = ca.Function("second", [symbol], [hessian, gradient])
+    found = second(w)[0]
+    assert abs(found).full().max() > 1e-3
+    for _ in range(3):
+        direction = rng.normal(size=layout.nw)
+        up, down = (second(w + s * e * direction)[1] for s in (1, -1))
+        numeric = ((up - down) / (2 * e)).full()
+        np.testing.assert_allclose((found @ direction).full(), numeric, rtol=1e-5, atol=1e-5 * np.abs(numeric).max())
+
+
+def test_the_cost_is_the_euler_sum_of_the_integrand(cheetah: Scenario) -> None:
+    """Eq. (9) written out in numpy on a random trajectory, times the step of each phase."""
+    problem = transcribe(cheetah)
+    w, (speed, cycle) = _somewhere(problem), TASK
+    trajectory = problem.layout.unpack(w, cycle)
+    v_t, v_n, pitch, rate = (trajectory.base[:-1, index] for index in (3, 4, 2, 5))
+    expected = np.diff(trajectory.times) @ (1e6 * ((v_t - speed) ** 2 + v_n**2 + pitch**2 + rate**2))
+    assert float(problem.nlp(w, TASK)[0]) * problem.cost_scale == pytest.approx(expected)
+
+
+def test_one_program_serves_every_task(cheetah: Scenario) -> None:
+    """Speed and cycle duration are parameters: they move the periodicity rows and the steps, and no bound."""
+    problem = transcribe(cheetah)
+    layout, w = problem.layout, _somewhere(problem)
+    rows = [problem.nlp(w, task)[1].full().ravel() for task in ([0.8, 0.6], [1.8, 0.6])]
+    changed = np.flatnonzero(rows[0] != rows[1])
+    closing = problem.ng - 1 - layout.nx
+    assert list(changed) == [closing, closing + layout.nb, closing + layout.nb + 2]
+    np.testing.assert_allclose(rows[1][changed] - rows[0][changed], -0.6)
+
+
+def test_bounds_fix_contacts_and_never_contradict(problem: GaitProblem) -> None:
+    pattern, layout = _pattern(problem), problem.layout
+    bounds = problem.bounds(pattern)
+    assert (bounds.lower <= bounds.upper).all()
+    assert (bounds.lower_rows <= bounds.upper_rows).all()
+    assert bounds.lower.shape == (layout.nw,)
+    assert bounds.lower_rows.shape == (problem.ng,)
+    low, high = layout.unpack(bounds.lower, 1.0), layout.unpack(bounds.upper, 1.0)
+    robot = problem.scenario.robot
+    for step in range(layout.steps):
+        for leg, stands in enumerate(pattern.column(layout.phase_of(step))):
+            assert not (low.foot_velocities if stands else low.forces)[step, leg].any()
+            assert not (high.foot_velocities if stands else high.forces)[step, leg].any()
+            if stands:
+                assert high.feet[step, leg, -1] == high.feet[step + 1, leg, -1] == 0
+                assert (low.forces[step, leg, -1], high.forces[step, leg, -1]) == (0, robot.max_force)
+            else:
+                assert (high.foot_velocities[step, leg] == robot.max_foot_speed).all()
+    assert not low.feet[..., -1].any()
+    assert (low.base[0, 0], high.base[0, 0]) == (0, 0)
+
+
+def test_free_rows_are_exactly_the_constant_ones(problem: GaitProblem) -> None:
+    """A row is left free when no variable that the solver may move enters it, and held otherwise."""
+    pattern = _pattern(problem)
+    bounds, layout = problem.bounds(pattern), problem.layout
+    symbol = ca.SX.sym("w", layout.nw)
+    jacobian = ca.Function("jacobian", [symbol], [ca.jacobian(problem.nlp(symbol, TASK)[1], symbol)])
+    point = np.where(bounds.lower == bounds.upper, bounds.lower, _somewhere(problem))
+    movable = np.abs(jacobian(point).full()[:, bounds.lower < bounds.upper]).max(axis=1) > 0
+    free = np.isinf(bounds.lower_rows) & np.isinf(bounds.upper_rows)
+    np.testing.assert_array_equal(free, ~movable)
+    values = problem.nlp(point, TASK)[1].full().ravel()
+    np.testing.assert_array_equal(values[free], 0.0)  # what is left free holds by itself
+
+
+@pytest.mark.parametrize("text", ["0110", "011/110", "0110/1100/0011", "0110/1100/0011/1001/1111"])
+def test_a_pattern_of_another_shape_is_refused(cheetah: Scenario, text: str) -> None:
+    with pytest.raises(ValueError, match=r"the scenario has 2 and 4"):
+        transcribe(cheetah).bounds(Pattern.from_text(text))
+
+
+def test_the_path_starts_at_the_origin_and_only_where_that_is_free(anymal: Scenario) -> None:
+    """Sideways the lateral term says where the path lies; without it the start is fixed there too."""
+    pattern = Pattern.from_text("0110/1001/1001/0110")
+    plain = anymal.model_copy(update={"objective": Objective(force=1.0)})
+    for scenario, fixed in ((anymal, [0]), (plain, [0, 1])):
+        bounds = transcribe(scenario).bounds(pattern)
+        assert list(np.flatnonzero(bounds.lower[:3] == bounds.upper[:3])) == fixed
+
+
+def test_minlp_rows_extend_those_of_the_nlp(either: Scenario) -> None:
+    problem = transcribe(either.model_copy(update={"stances_per_leg": 1}))
+    layout, w = problem.layout, _somewhere(problem)
+    pattern = Pattern(("0110", "1100", "1110", "0001")[: layout.legs])
+    contacts = np.array([float(digit) for row in pattern.rows for digit in row])
+    (cost, rows), (own_cost, own_rows) = problem.nlp(w, TASK), problem.minlp(np.append(w, contacts), TASK)
+    assert float(cost) == float(own_cost)
+    np.testing.assert_array_equal(rows.full(), own_rows[: problem.ng].full())
+    bounds = problem.minlp_bounds(pattern)
+    assert bounds.lower_rows.shape == bounds.upper_rows.shape == (own_rows.numel(),)
+    np.testing.assert_array_equal(bounds.lower[layout.nw :], contacts)
+    np.testing.assert_array_equal(bounds.upper[layout.nw :], contacts)
+    free = problem.minlp_bounds()
+    assert set(free.lower[layout.nw :]) == {0.0}
+    assert set(free.upper[layout.nw :]) == {1.0}
+    stance_rows = 2 * layout.legs  # a count, and the one choice of four phases out of four
+    tail = own_rows.full().ravel()[-stance_rows:]
+    assert (tail >= bounds.lower_rows[-stance_rows:]).all()
+    assert (tail <= bounds.upper_rows[-stance_rows:]).all()
