@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -34,8 +35,7 @@ def violations(
     `scenario` is `Scenario.as_data()`; `speed` v in m/s, `cycle_duration` T in s; `pattern` as solved, "0110/1100".
     """
     robot, settings = scenario["robot"], scenario["transcription"]
-    arrays = (trajectory.base, trajectory.feet, trajectory.forces, trajectory.foot_velocities, trajectory.durations)
-    if not all(np.isfinite(array).all() for array in arrays):
+    if not all(np.isfinite(getattr(trajectory, field.name)).all() for field in fields(Trajectory)):
         return {"not a number": math.inf}
     d = int(robot["dimension"])
     n = int(settings["knots_per_phase"])
@@ -70,6 +70,7 @@ def violations(
         "foot speed": _excess(np.abs(velocities) - float(robot["max_foot_speed"])),
         "tilt": _excess(np.abs(tilt) - float(robot["max_tilt"])),
         "cycle": abs(float(trajectory.durations.sum()) - cycle_duration) / cycle_duration,
+        "clock": _largest(np.diff(trajectory.times, prepend=0.0) - np.append(0.0, h)) / cycle_duration,
         "phase duration": _excess(shortest - trajectory.durations) / cycle_duration,
     }
 

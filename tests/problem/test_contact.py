@@ -73,7 +73,7 @@ def test_big_m_rows_and_bounds_switch_the_same_conditions(either: Scenario) -> N
     others = ["".join(rng.choice(["0", "1"], 4)) for _ in range(60 * layout.legs)]
     patterns = [true] + [Pattern(tuple(others[i : i + layout.legs])) for i in range(0, len(others), layout.legs)]
     patterns += [
-        Pattern(true.rows[:leg] + (row,) + true.rows[leg + 1 :]) for leg in range(layout.legs) for row in others
+        Pattern((*true.rows[:leg], row, *true.rows[leg + 1 :])) for leg in range(layout.legs) for row in others
     ]
     big_m = slice(problem.ng, problem.ng + layout.steps * layout.legs * (2 * layout.dimension + 2))
     passed = set()
