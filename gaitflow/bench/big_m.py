@@ -13,7 +13,7 @@ import numpy as np
 from gaitflow.check import FEASIBLE, worst
 from gaitflow.gaits import Pattern
 from gaitflow.problem import GaitProblem
-from gaitflow.solve.nlp import CONVERGED, IPOPT, Attempt, Start, call_solver, make_ipopt
+from gaitflow.solve.nlp import COLD, CONVERGED, Attempt, Start, call_solver, make_ipopt
 from gaitflow.solve.solution import Multipliers
 
 # IPOPT's own default. The bounds form makes do with less, but a baseline should not fail for want of iterations.
@@ -28,7 +28,7 @@ class BigMSolver:
         self.problem = problem
         self._scenario = problem.scenario.as_data()
         self._solver: ca.Function = make_ipopt(
-            problem.minlp, IPOPT | {"max_iter": MAX_ITERATIONS, "max_cpu_time": time_limit}
+            problem.minlp, COLD | {"max_iter": MAX_ITERATIONS, "max_cpu_time": time_limit}
         )
 
     def solve(self, pattern: Pattern, speed: float, cycle_duration: float, start: Start) -> Attempt:

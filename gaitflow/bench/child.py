@@ -31,11 +31,12 @@ CHUNK = 1 << 16
 
 
 class Lost(Exception):
-    """The child ended or hung in a call: the message says how, `cpu_s` is the CPU time that went with it."""
+    """The child ended or hung in a call: the message says how; CPU and wall time [s] that went with it."""
 
-    def __init__(self, reason: str, cpu_s: float) -> None:
+    def __init__(self, reason: str, cpu_s: float, wall_s: float) -> None:
         super().__init__(reason)
         self.cpu_s = cpu_s
+        self.wall_s = wall_s
 
 
 class ChildError(RuntimeError):
@@ -98,24 +99,24 @@ class Child:
         """Send a line and wait for a line."""
         process = self._process
         assert process is not None and process.stdin is not None and process.stdout is not None
-        deadline, answer = time.monotonic() + limit_s, b""
+        start, answer = time.monotonic(), b""
         with suppress(BrokenPipeError):  # a dead process gives no answer either
             process.stdin.write(request)
             process.stdin.flush()
         while not answer.endswith(b"\n"):
-            left = deadline - time.monotonic()
+            left = start + limit_s - time.monotonic()
             if left <= 0 or not select.select([process.stdout], [], [], left)[0]:
-                raise self._lost(f"hung: no answer in {limit_s:.0f} s")
+                raise self._lost(f"hung: no answer in {limit_s:.0f} s", start)
             block = os.read(process.stdout.fileno(), CHUNK)
             if not block:
-                raise self._lost("")
+                raise self._lost("", start)
             answer += block
         return answer
 
-    def _lost(self, reason: str) -> Lost:
-        before = _ended_cpu()
+    def _lost(self, reason: str, start: float) -> Lost:
+        wall, before = time.monotonic() - start, _ended_cpu()
         ending = self._end()
-        return Lost(reason or ending, max(0.0, _ended_cpu() - before - self._spent))
+        return Lost(reason or ending, max(0.0, _ended_cpu() - before - self._spent), wall)
 
     def _end(self) -> str:
         """Kill and reap the process; what ended it when it was not us."""

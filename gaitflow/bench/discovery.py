@@ -19,6 +19,7 @@ from gaitflow.bench.child import Child
 from gaitflow.bench.document import document
 from gaitflow.bench.rows import Row, RowStore
 from gaitflow.bench.search import BONMIN_LIMIT_S, bonmin, patterns, search
+from gaitflow.dataset.labels import relative_cost
 from gaitflow.scenario import Scenario
 from gaitflow.task import Task
 
@@ -117,7 +118,7 @@ def compare(ours: Row, restarts: Sequence[Row]) -> Row:
             "agree": sum(row["cost"] <= best["cost"] * (1 + SAME_COST) for row in solved) if best else 0,
             "gaits_found": len({row["gait"] for row in solved}),
         },
-        "cost_worse_rel": (ours["cost"] - best["cost"]) / best["cost"] if best and both else None,
+        "cost_worse_rel": float(relative_cost(np.asarray(ours["cost"]), best["cost"])) if best and both else None,
         "cpu_ratio": cpu / ours["whole_cpu_s"],
         "cpu_ratio_solver": cpu / ours["cpu_s"] if ours["cpu_s"] else None,
         "restarts": [

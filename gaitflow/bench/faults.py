@@ -37,7 +37,7 @@ from gaitflow.execute.run import run_units
 from gaitflow.scenario import Scenario, load_scenario
 
 Fault = Literal["worker", "run"]
-QUIET_S = (0.5, 6.0)  # time from one kill to the next, drawn uniformly
+QUIET_S = (0.5, 6.0)
 LOOK_S = 0.05
 ORPHAN_GRACE_S = 5.0
 ENDS_WITHIN_S = 600.0
@@ -46,15 +46,26 @@ DRIVE = "from gaitflow.bench.faults import drive; drive()"
 
 @dataclass(frozen=True)
 class Kill:
-    """One kill: when (seconds since 1970), which units were in work, and processes of a killed run that outlived it."""
+    """One kill: when (seconds since 1970), the solver processes it took along, and how many outlived a killed run."""
 
     fault: Fault
     time: float
-    in_flight: frozenset[str]
+    solvers: frozenset[int]
     orphans: int
 
+    def lost(self, each: Round) -> int:
+        """Units in work in those processes whose parts were not stored yet."""
+        started = {e.unit for e in each.journal if e.event == "start" and _pid(e) in self.solvers}
+        return sum(each.stored.get(unit, float("inf")) > self.time for unit in started)
 
-@dataclass(frozen=True)
+    def recovered(self, each: Round) -> float | None:
+        """Seconds until a solver process that is new starts a unit; None when the run ended without needing one."""
+        before = {e.solver for e in each.journal if e.time <= self.time}
+        later = [e.time - self.time for e in each.journal if e.time > self.time and e.solver not in before]
+        return min(later, default=None)
+
+
+@dataclass(frozen=True, eq=False)
 class Round:
     """One disturbed run to its end: its kills, its journal, when each part was stored, and its dataset."""
 
@@ -64,16 +75,21 @@ class Round:
     frame: pd.DataFrame | None  # None when it did not end
 
 
-def faults(scenario: Scenario, tasks: int = 12, kills: int = 20, seed: int = 0) -> dict[str, Any]:
-    """The benchmark's document. `scenario` is cut to about `tasks` grid tasks over its range, one a unit."""
+def faults(
+    scenario: Scenario, tasks: int = 12, kills: int = 20, seed: int = 0, quiet_s: tuple[float, float] = QUIET_S
+) -> dict[str, Any]:
+    """The benchmark's document. `scenario` is cut to about `tasks` grid tasks over its range, one a unit.
+
+    The time from one kill to the next, with a solver at work, is drawn uniformly from `quiet_s`.
+    """
     small, chance = _cut(scenario, tasks), random.Random(seed)
     pending: list[Fault] = [("worker", "run")[i % 2] for i in range(kills)]
     rounds: list[Round] = []
     with tempfile.TemporaryDirectory() as folder:
-        reference = _round(small, Path(folder, "undisturbed"), [], chance).frame
+        reference = _round(small, Path(folder, "undisturbed"), [], chance, quiet_s).frame
         assert reference is not None, "the undisturbed run did not end"
         while pending:
-            rounds.append(_round(small, Path(folder, f"round-{len(rounds)}"), pending, chance))
+            rounds.append(_round(small, Path(folder, f"round-{len(rounds)}"), pending, chance, quiet_s))
             done = sum(len(each.kills) for each in rounds)
             print(f"{done} of {kills} kills in {len(rounds)} round(s)", file=sys.stderr, flush=True)
     differences = [_difference(reference, each.frame) for each in rounds]
@@ -117,7 +133,9 @@ def _cut(scenario: Scenario, tasks: int) -> Scenario:
     return Scenario.from_data(data, scenario.name)
 
 
-def _round(scenario: Scenario, folder: Path, pending: list[Fault], chance: random.Random) -> Round:
+def _round(
+    scenario: Scenario, folder: Path, pending: list[Fault], chance: random.Random, quiet_s: tuple[float, float]
+) -> Round:
     """Run to the end under kills taken from the end of `pending`; what the run does not live to see stays there."""
     folder.mkdir()
     file = folder / "scenario.json"
@@ -131,8 +149,8 @@ def _round(scenario: Scenario, folder: Path, pending: list[Fault], chance: rando
                     _wait(run, deadline - time.monotonic())
                     continue
                 # Counted from when there is something to disturb, not from an interpreter's start.
-                if _in_work(run.pid) and not _wait(run, chance.uniform(*QUIET_S)):
-                    kill = _kill(run, pending[-1], store, chance)
+                if _in_work(run.pid) and not _wait(run, chance.uniform(*quiet_s)):
+                    kill = _kill(run, pending[-1], chance)
                     if kill is not None:
                         kills.append(kill)
                         pending.pop()
@@ -154,44 +172,45 @@ def _driven(file: Path, folder: Path) -> Iterator[subprocess.Popen[bytes]]:
         run.wait()
 
 
-def _kill(run: subprocess.Popen[bytes], fault: Fault, store: UnitStore, chance: random.Random) -> Kill | None:
+def _kill(run: subprocess.Popen[bytes], fault: Fault, chance: random.Random) -> Kill | None:
     """Kill now; None when there was nothing to kill, as the run was ending or starting a worker."""
     everyone, workers = _descendants(run.pid), _workers(run.pid)
     if not workers or run.poll() is not None:
         return None
-    solved = store.solved()
-    started = {entry.unit for entry in read_journal(store.folder / "journal") if entry.event == "start"}
+    victim = chance.choice(workers) if fault == "worker" else run.pid
+    solvers = frozenset(_descendants(victim))
     now = time.time()
-    os.kill(chance.choice(workers) if fault == "worker" else run.pid, signal.SIGKILL)
+    os.kill(victim, signal.SIGKILL)
     orphans = 0
     if fault == "run":
         run.wait()
         deadline = time.monotonic() + ORPHAN_GRACE_S
         while (orphans := sum(map(_alive, everyone))) and time.monotonic() < deadline:
             time.sleep(LOOK_S)
-    return Kill(fault, now, frozenset(started - solved), orphans)
+    return Kill(fault, now, solvers, orphans)
 
 
 def _row(fault: Fault, rounds: Sequence[Round], differences: Sequence[float | None]) -> dict[str, Any]:
-    """`ended`: kills in rounds that ended with the undisturbed dataset. `repeated`: units started again after their
-    part was stored, in rounds by the last kill before. `lost_in_flight`: units in work at a kill that had to be
-    started again. `recovered_s`: median seconds from the kill to that start."""
-    mine = [(each, i) for each in rounds for i, kill in enumerate(each.kills) if kill.fault == fault]
-    good = [each.frame is not None and d is not None for each, d in zip(rounds, differences, strict=True)]
-    recovered, repeated = list[float](), 0
-    for each, i in mine:
-        kill = each.kills[i]
+    """One kind of kill: how many there were, and of what came after them.
+
+    `ended`: kills in rounds that ended with the undisturbed dataset. `repeated`: starts of a unit after its part was
+    stored, up to the next kill. `lost_in_flight`: units in work that had to be started again. `recovered_s`: median
+    seconds until a new solver process was at work.
+    """
+    mine = [(each, i, kill) for each in rounds for i, kill in enumerate(each.kills) if kill.fault == fault]
+    good = [each for each, difference in zip(rounds, differences, strict=True) if difference is not None]
+    repeated = 0
+    for each, i, kill in mine:
         until = each.kills[i + 1].time if i + 1 < len(each.kills) else float("inf")
-        after = [e for e in each.journal if e.event == "start" and kill.time < e.time < until]
-        repeated += sum(e.time > each.stored.get(e.unit, float("inf")) for e in after)
-        again = {e.unit: e.time - kill.time for e in reversed(after) if e.unit in kill.in_flight}
-        recovered += again.values()
+        starts = (e for e in each.journal if e.event == "start" and kill.time < e.time <= until)
+        repeated += sum(e.time > each.stored.get(e.unit, float("inf")) for e in starts)
+    recovered = [seconds for each, _, kill in mine if (seconds := kill.recovered(each)) is not None]
     return {
         "fault": fault,
         "kills": len(mine),
-        "ended": sum(ok for each, ok in zip(rounds, good, strict=True) for kill in each.kills if kill.fault == fault),
+        "ended": sum(each in good for each, _, _ in mine),
         "repeated": repeated,
-        "lost_in_flight": len(recovered),
+        "lost_in_flight": sum(kill.lost(each) for each, _, kill in mine),
         "recovered_s": round(statistics.median(recovered), 2) if recovered else None,
     }
 
@@ -205,6 +224,10 @@ def _difference(reference: pd.DataFrame, frame: pd.DataFrame | None) -> float | 
         return None
     largest = float(((frame["cost"] - reference["cost"]).abs() / reference["cost"].abs()).max())
     return largest if largest <= 1e-9 else None
+
+
+def _pid(entry: Entry) -> int:
+    return int(entry.solver.partition("-")[0])
 
 
 def _in_work(pid: int) -> bool:

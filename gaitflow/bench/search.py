@@ -51,8 +51,8 @@ def search(child: Child, speed: float, cycle_duration: float, seed: int | None, 
     except Lost as lost:
         return {
             "status": LOST, "solver_status": str(lost), "gait": None, "pattern": None, "cost": None, "violation": None,
-            "cpu_s": lost.cpu_s, "wall_s": None, "solves": None, "counts": {}, "costs": {},
-            "whole_cpu_s": lost.cpu_s, "whole_wall_s": None,
+            "cpu_s": lost.cpu_s, "wall_s": lost.wall_s, "solves": None, "counts": {}, "costs": {},
+            "whole_cpu_s": lost.cpu_s, "whole_wall_s": lost.wall_s,
         }  # fmt: skip
 
 

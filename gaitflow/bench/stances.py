@@ -8,12 +8,13 @@ from __future__ import annotations
 import statistics
 from collections import Counter
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from gaitflow.bench.document import document
+from gaitflow.dataset.labels import relative_cost
 from gaitflow.dataset.units import PROBLEM_FIELDS
 from gaitflow.gaits import Pattern
 from gaitflow.scenario import Scenario
@@ -21,8 +22,8 @@ from gaitflow.scenario import Scenario
 SAME_COST = 1e-6  # relative: the tolerance of a solve
 NOTES = (
     "A label changes when the cheapest gait is another one; beyond ties when the gait with one stance is not among "
-    "those that tie with the cheapest one either. cost_fall is the share by which the cost falls, 0 where "
-    "it does not.",
+    "those that tie with the cheapest one either. cost_fall is the share by which the cost falls without the "
+    "constraint. excluded counts tasks whose cheapest gait has a leg with no stance or with several.",
     "dearer counts tasks whose cost is higher without the constraint: all its motions are still allowed there, so the "
     "search missed one. Tasks are those of the grid.",
 )
@@ -70,13 +71,13 @@ def summarise(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
         "compared": len(compared),
         "changed": len(changed),
         "changed_beyond_ties": sum(row["changed_beyond_ties"] for row in compared),
-        "several_stances": sum(row["several_stances"] for row in rows),
+        "excluded": sum(row["excluded"] for row in rows),
         "cost_fall_median": statistics.median(falls) if falls else None,
         "cost_fall_max": max(falls, default=None),
         "cost_fall_median_of_changed": statistics.median(falls_changed) if falls_changed else None,
         "dearer": sum(row["dearer"] for row in compared),
-        "only_feasible_with_several": sum(row["cost"] is None and row["free_cost"] is not None for row in rows),
-        "only_found_with_one": sum(row["cost"] is not None and row["free_cost"] is None for row in rows),
+        "only_found_without": sum(row["cost"] is None and row["free_cost"] is not None for row in rows),
+        "only_found_with": sum(row["cost"] is not None and row["free_cost"] is None for row in rows),
         "winners": dict(Counter(row["free_gait"] for row in changed).most_common()),
     }
 
@@ -84,7 +85,7 @@ def summarise(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
 def _row(task: tuple[float, float], one: Any, free: Any) -> dict[str, Any]:
     cost, free_cost = (float(row["cost"]) if row["status"] == "solved" else None for row in (one, free))
     both = cost is not None and free_cost is not None
-    fall = (cost - free_cost) / cost if cost is not None and free_cost is not None else None
+    fall = -float(relative_cost(np.asarray(free_cost), cost)) if cost is not None and free_cost is not None else None
     wins = Pattern.from_text(free["gait_key"]) if free_cost is not None else None
     return {
         "speed": float(task[0]),
@@ -93,9 +94,9 @@ def _row(task: tuple[float, float], one: Any, free: Any) -> dict[str, Any]:
         "free_gait": str(free["gait"]) or None,
         "cost": cost,
         "free_cost": free_cost,
-        "cost_fall": None if fall is None else max(0.0, fall),
+        "cost_fall": fall,
         "changed": both and one["gait"] != free["gait"],
         "changed_beyond_ties": both and one["gait"] not in list(free["ties"]),
-        "several_stances": wins is not None and any(wins.touchdowns(leg) > 1 for leg in range(wins.legs)),
+        "excluded": wins is not None and any(wins.touchdowns(leg) != 1 for leg in range(wins.legs)),
         "dearer": fall is not None and fall < -SAME_COST,
     }

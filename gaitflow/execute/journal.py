@@ -19,11 +19,15 @@ Event = Literal["start", "stored"]
 
 @dataclass(frozen=True)
 class Entry:
-    """`time` in seconds since 1970; `cpu_s` and `wall_s` of the whole unit; `kept`: its part was the first one."""
+    """One line. `time` in seconds since 1970; `solver`: the process, its id and a random word; `kept`: came first.
+
+    `cpu_s` and `wall_s` are those of the whole unit, 0 at its start.
+    """
 
     event: Event
     unit: str
     time: float
+    solver: str
     cpu_s: float = 0.0
     wall_s: float = 0.0
     kept: bool = False
@@ -33,15 +37,16 @@ class Journal:
     """Appends entries to a new file below `folder` (`<store>/journal`)."""
 
     def __init__(self, folder: Path) -> None:
-        self._path = folder / f"{os.getpid()}-{secrets.token_hex(4)}.jsonl"
+        self._solver = f"{os.getpid()}-{secrets.token_hex(4)}"
+        self._path = folder / f"{self._solver}.jsonl"
 
     def started(self, unit: str) -> None:
         """A solve of this unit begins."""
-        self._append(Entry("start", unit, time.time()))
+        self._append(Entry("start", unit, time.time(), self._solver))
 
     def stored(self, unit: str, cpu_s: float, wall_s: float, kept: bool) -> None:
         """The unit was solved and a part with its digest is in the store."""
-        self._append(Entry("stored", unit, time.time(), cpu_s, wall_s, kept))
+        self._append(Entry("stored", unit, time.time(), self._solver, cpu_s, wall_s, kept))
 
     def _append(self, entry: Entry) -> None:
         self._path.parent.mkdir(parents=True, exist_ok=True)

@@ -134,7 +134,7 @@ def processes_naming(text: str) -> list[str]:
     return found
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_a_signal_stops_cleanly_and_the_next_run_goes_on(
     store: UnitStore,
     scenario: Scenario,
@@ -165,6 +165,7 @@ def test_a_signal_stops_cleanly_and_the_next_run_goes_on(
     assert all(starts(store)[unit] == 1 for unit in done)
 
 
+@pytest.mark.slow
 def test_two_runs_at_once_on_one_store(
     store: UnitStore, scenario: Scenario, units: tuple[Unit, ...], checkout: Path, tmp_path: Path
 ) -> None:
