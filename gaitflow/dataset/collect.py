@@ -13,6 +13,7 @@ import pyarrow.parquet as pq
 
 from gaitflow.dataset.provenance import dataset_record, read_record
 from gaitflow.dataset.schema import HEAVY, SCALARS, Sizes, solution_schema
+from gaitflow.dataset.seal import check_seal
 from gaitflow.dataset.store import DamagedPart, UnitStore, write_sealed
 from gaitflow.dataset.units import Unit, plan_units
 from gaitflow.files import new_file
@@ -61,6 +62,29 @@ def collect(
             write_sealed(file, schema, _tables(rows, read, schema), record)
     except DamagedPart as error:
         raise NotComplete(f"{scenario.name}: a part changed while it was collected: {error}") from None
+    return target
+
+
+def thin(collected: Path, target: Path, keep_trajectories: int) -> Path:
+    """Copy a collected file, keeping trajectories and multipliers as `collect` does with `keep_trajectories`.
+
+    Raises ValueError when `collected` is not a dataset of ours or damaged, WriteError.
+    """
+    check_seal(collected)
+    with pq.ParquetFile(collected) as file, new_file(target, replace=True) as thinned:
+        record = read_record(file.metadata.metadata, str(collected))
+        keep = _cheapest(file.read(columns=list(SCALARS)).to_pandas(), keep_trajectories).to_numpy(dtype=bool)
+        schema = file.schema_arrow.remove_metadata()
+
+        def tables() -> Iterator[pa.Table]:
+            start = 0
+            for batch in file.iter_batches(batch_size=ROWS_PER_GROUP):
+                chosen = pa.array(np.arange(len(batch)), mask=~keep[start : start + len(batch)])
+                columns = [batch[name].take(chosen) if name in HEAVY else batch[name] for name in schema.names]
+                yield pa.Table.from_arrays(columns, schema=schema)
+                start += len(batch)
+
+        write_sealed(thinned, schema, tables(), record)
     return target
 
 

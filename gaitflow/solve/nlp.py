@@ -15,18 +15,12 @@ from gaitflow.problem import GaitProblem
 from gaitflow.solve.solution import Multipliers
 from gaitflow.trajectory import Array, Trajectory
 
+Options = dict[str, float | int | str]
+
 # MUMPS' ordering is pinned to AMD, so that iterates repeat from run to run.
-IPOPT = {
-    "linear_solver": "mumps",
-    "mumps_pivot_order": 0,
-    "tol": 1e-8,
-    "constr_viol_tol": 1e-9,
-    "max_iter": 250,
-    "print_level": 0,
-    "sb": "yes",
-}
+IPOPT: Options = {"mumps_pivot_order": 0, "tol": 1e-8, "constr_viol_tol": 1e-9, "max_iter": 250}
 # IPOPT moves a start away from its bounds unless every one of these is small.
-IPOPT_WARM = IPOPT | {
+IPOPT_WARM: Options = IPOPT | {
     "warm_start_init_point": "yes",
     "mu_init": 1e-4,
     "warm_start_bound_push": 1e-8,
@@ -121,9 +115,10 @@ class FixedGaitSolver:
 CONVERGED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
 
 
-def make_ipopt(program: ca.Function, options: dict[str, Any]) -> ca.Function:
-    """An IPOPT solver of a program (w, task) -> (cost, rows)."""
-    return ca.nlpsol("gait", "ipopt", symbolic(program), {"print_time": False, "ipopt": options})
+def make_ipopt(program: ca.Function, options: Options) -> ca.Function:
+    """A silent IPOPT, with MUMPS, of a program (w, task) -> (cost, rows)."""
+    quiet: Options = {"linear_solver": "mumps", "print_level": 0, "sb": "yes"}
+    return ca.nlpsol("gait", "ipopt", symbolic(program), {"print_time": False, "ipopt": quiet | options})
 
 
 def symbolic(program: ca.Function) -> dict[str, ca.SX]:

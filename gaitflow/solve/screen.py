@@ -5,7 +5,8 @@ in each of its swings are unknown; what every feasible motion obeys is linear in
 
 - the phases fill the cycle, none is shorter than the least fraction (2c), and the travels sum to v T (3a);
 - a foot that stands stays in its box while the base moves on (5), so the base's travel over a stance is at most the
-  width X that the tilted box can cover along the ground; over a swing the foot's travel differs from the base's by at most X;
+  width X that the tilted box can cover along the ground; over a swing the foot's travel differs from the base's by at
+  most X;
 - a foot moves no faster than its speed limit and advances v T a cycle (3c).
 
 A pattern whose linear program is empty cannot be walked. Gaits that never lift or never set down a foot are ruled out

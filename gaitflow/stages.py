@@ -1,0 +1,270 @@
+"""The stages of a map, each from files to files: solve -> label -> train -> publish -> report.
+
+Pure functions of the packages below do the work; here they get their files, and only here.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gaitflow.files import atomic_write
+from gaitflow.scenario import Scenario, digest_of
+from gaitflow.workspace import Run, Workspace
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from gaitflow.execute.run import RunState
+    from gaitflow.report.claims import Claim
+    from gaitflow.runtime import Plan
+
+KEPT_GAITS = 3  # cheapest gaits of a task that keep their trajectory in a published dataset
+
+
+class StageMissing(RuntimeError):
+    """An earlier stage has not run; the message says which command to give."""
+
+
+@dataclass(frozen=True)
+class PublishedRun:
+    """Where a run was published."""
+
+    version: str
+    dataset: Path
+    model: Path
+
+
+def solve(workspace: Workspace, scenario: Scenario, workers: int) -> tuple[RunState, Path]:
+    """Solve every unit that the store lacks on a local Dask cluster and collect them into one file."""
+    from gaitflow.dataset.collect import collect
+    from gaitflow.dataset.store import UnitStore
+    from gaitflow.dataset.units import plan_units
+    from gaitflow.execute.local import local_client
+    from gaitflow.execute.progress import progress
+    from gaitflow.execute.run import run_units
+
+    store = UnitStore(workspace.run(scenario).folder)
+    with progress(scenario.name) as on_event:
+        state = run_units(plan_units(scenario), store, lambda: local_client(workers), on_event)
+    return state, collect(store, scenario)
+
+
+def label(workspace: Workspace, scenario: Scenario) -> pd.DataFrame:
+    """Label every task with its cheapest gait; writes the labels and the gaits' costs."""
+    from gaitflow.dataset import load_solutions
+    from gaitflow.dataset.labels import gait_costs, label_tasks
+    from gaitflow.dataset.tasks import tasks_of
+
+    run = workspace.run(scenario)
+    _need(run.solutions, f"gaitflow solve {scenario.name}")
+    costs = gait_costs(load_solutions(run.solutions).frame(), scenario.robot.leg_names)
+    labels = label_tasks(costs, tasks_of(scenario), scenario.learning.tie_tolerance)
+    _write_frame(run.gait_costs, costs)
+    _write_frame(run.labels, labels)
+    return labels
+
+
+def train(workspace: Workspace, scenario: Scenario, constant: bool) -> dict[str, Any]:
+    """Train and judge the classifiers; writes the winner and how all of them did."""
+    import pandas as pd
+
+    from gaitflow.learn.train import train as train_all
+
+    run = workspace.run(scenario)
+    _need(run.labels, f"gaitflow label {scenario.name}")
+    labels, costs = pd.read_parquet(run.labels), pd.read_parquet(run.gait_costs)
+    training = train_all(labels, costs, scenario.learning, constant)
+    data = training.as_data()
+    atomic_write(run.classifier, training.onnx)
+    write_json(run.learning, data)
+    return data
+
+
+def publish(workspace: Workspace, scenario: Scenario, version: str | None) -> PublishedRun:
+    """Publish the dataset and the map under one version; the same content is not published twice."""
+    import pandas as pd
+
+    from gaitflow.artifact import Parts
+    from gaitflow.artifact import publish as publish_map
+    from gaitflow.dataset import load_solutions
+    from gaitflow.dataset.provenance import made_by
+    from gaitflow.dataset.publish import publish_dataset
+    from gaitflow.learn.warmstarts import region_means
+    from gaitflow.problem import transcribe
+    from gaitflow.solve.nlp import IPOPT_WARM
+
+    run = workspace.run(scenario)
+    _need(run.learning, f"gaitflow train {scenario.name}")
+    learning = read_json(run.learning)
+    labels = pd.read_parquet(run.labels)
+    problem = transcribe(scenario)
+    solutions = load_solutions(run.solutions)
+    starts = region_means(labels, solutions, problem.layout.pack)
+    grid = labels[labels["split"] == "grid"]
+    feasible = grid.assign(ok=grid["status"] == "solved").pivot(index="speed", columns="cycle_duration", values="ok")
+    parts = Parts(
+        problem=problem,
+        feasible=feasible.to_numpy(dtype=bool),
+        classifier=run.classifier.read_bytes(),
+        classifier_kind=learning["method"],
+        classes=learning["classes"],
+        starts=[start for start in starts if start.gait in learning["classes"]],
+        dataset={"digest": solutions.record["units_digest"], "version": "units"},
+        code=made_by(),
+        metrics=learning,
+        solver_options=IPOPT_WARM,
+    )
+    model = publish_map(workspace.models, parts, version)
+    dataset = workspace.datasets / scenario.name / model.name
+    with _thinned(run) as solutions_file:
+        publish_dataset(dataset, solutions_file, run.labels, run.gait_costs)
+    done = PublishedRun(model.name, dataset, model)
+    write_json(run.published, {"version": done.version, "dataset": str(dataset), "model": str(model)})
+    return done
+
+
+def report(workspace: Workspace, scenario: Scenario) -> list[Path]:
+    """Draw the report of a run: figures and one page."""
+    import pandas as pd
+
+    from gaitflow.dataset import load_solutions
+    from gaitflow.report.report import write_report
+    from gaitflow.runtime import GaitMap
+
+    run = workspace.run(scenario)
+    _need(run.labels, f"gaitflow label {scenario.name}")
+    solutions = load_solutions(run.solutions)
+    gait_map = GaitMap.load(read_json(run.published)["model"]) if run.published.exists() else None
+    return write_report(
+        run.report,
+        scenario,
+        pd.read_parquet(run.labels),
+        list(solutions),
+        [gait.name for gait in gait_map.gaits] if gait_map else [],
+        (lambda v, t: gait_map.select_many(v, t).index) if gait_map else None,
+        read_json(run.learning) if run.learning.exists() else None,
+        solutions.record,
+    )
+
+
+def claims(workspace: Workspace) -> tuple[Claim, ...]:
+    """The paper's statements, measured on the newest published labels of its three scenarios."""
+    import pandas as pd
+
+    from gaitflow.dataset.publish import LABELS
+    from gaitflow.report.claims import FIGURES, check_claims
+    from gaitflow.runtime.versions import versions_in
+
+    frames = {}
+    for name in FIGURES.values():
+        versions = versions_in(workspace.datasets / name)
+        if versions:
+            frames[name] = pd.read_parquet(workspace.datasets / name / str(versions[-1]) / LABELS)
+    return check_claims(frames)
+
+
+def verify(path: Path) -> list[str]:
+    """Every fault of a published model or dataset. Raises ValueError when `path` is neither."""
+    from gaitflow.artifact import verify as verify_map
+    from gaitflow.dataset.read import FILE_NAME
+    from gaitflow.dataset.verify import verify_dataset
+    from gaitflow.runtime.files import CLASSIFIER
+
+    if not path.is_dir():
+        raise ValueError(f"{path}: no such folder; give a version's folder such as models/<scenario>/1.0.0")
+    if (path / FILE_NAME).exists():
+        return verify_dataset(path)
+    if (path / CLASSIFIER).exists() or (path / "manifest.json").exists():
+        return [str(finding) for finding in verify_map(path)]
+    raise ValueError(f"{path}: holds neither a model nor a dataset; give a version's folder")
+
+
+def read_labels(dataset: Path) -> list[dict[str, Any]]:
+    """The labels of a published dataset, or of a labels file, as plain data; numbers that do not exist are None."""
+    import math
+
+    import pandas as pd
+
+    from gaitflow.dataset.publish import LABELS
+
+    path = dataset / LABELS if dataset.is_dir() else dataset
+    keys = ["speed", "cycle_duration", "gait", "pattern", "cost", "margin", "runner_up", "status", "split", "label"]
+    try:
+        rows = pd.read_parquet(path)[[*keys, "ties"]].to_dict("records")
+    except (OSError, KeyError, ValueError) as error:
+        raise ValueError(f"{path}: no readable labels ({error})") from None
+    return [
+        {str(k): None if isinstance(v, float) and not math.isfinite(v) else v for k, v in row.items()}
+        | {"ties": list(row["ties"])}
+        for row in rows
+    ]
+
+
+def plan_data(plan: Plan) -> dict[str, Any]:
+    """A plan as plain data, without its trajectory."""
+    import math
+
+    keys = ("gait", "pattern", "probability", "in_domain", "cost", "feasible", "violation", "path", "time_ms")
+    data = {key: getattr(plan, key) for key in keys}
+    data = {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in data.items()}
+    return data | {"durations": plan.durations.tolist(), "iterations": plan.iterations}
+
+
+def summary(scenario: Scenario) -> dict[str, Any]:
+    """What a scenario asks for, in a few numbers."""
+    from gaitflow.dataset.tasks import tasks_of
+    from gaitflow.dataset.units import plan_units
+    from gaitflow.problem import transcribe
+    from gaitflow.solve.patterns import candidate_patterns
+
+    problem = transcribe(scenario)
+    return {
+        "scenario": scenario.name,
+        "robot": scenario.robot.name,
+        "tasks": len(tasks_of(scenario)),
+        "patterns": len(candidate_patterns(scenario)),
+        "units": len(plan_units(scenario)),
+        "variables": problem.layout.nw,
+        "rows": problem.ng,
+        "digest": digest_of(scenario.as_data()),
+    }
+
+
+def write_json(path: Path, data: Any) -> None:
+    """Write plain data as JSON, whole or not at all."""
+    atomic_write(path, (json.dumps(data, indent=1, allow_nan=False) + "\n").encode())
+
+
+def read_json(path: Path) -> Any:
+    """Read a JSON file of ours."""
+    return json.loads(path.read_bytes())
+
+
+@contextmanager
+def _thinned(run: Run) -> Iterator[Path]:
+    """The dataset as it is published, with the trajectories of the cheapest gaits only."""
+    from gaitflow.dataset.collect import thin
+
+    target = run.folder / "thin-solutions.parquet"
+    try:
+        yield thin(run.solutions, target, KEPT_GAITS)
+    finally:
+        target.unlink(missing_ok=True)
+
+
+def _write_frame(path: Path, frame: pd.DataFrame) -> None:
+    import io
+
+    buffer = io.BytesIO()
+    frame.to_parquet(buffer, index=False)
+    atomic_write(path, buffer.getvalue())
+
+
+def _need(path: Path, command: str) -> None:
+    if not path.exists():
+        raise StageMissing(f"{path} is missing: run `{command}` first")

@@ -1,0 +1,26 @@
+"""`gaitflow run` in front of Snakemake: the stage graph of workflow/ for one scenario."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from gaitflow.config import ConfigError
+from gaitflow.workspace import Workspace
+
+
+def run_workflow(workspace: Workspace, scenario: str, workers: int, dry_run: bool) -> bool:
+    """Run what is out of date; True when everything asked for is done. Raises ConfigError without a workflow folder."""
+    snakefile = Path("workflow", "Snakefile")
+    if not (workspace.root / snakefile).is_file():
+        raise ConfigError(f"{workspace.root / snakefile}: no such file; `gaitflow run` belongs into a checkout, "
+                          "elsewhere give the stages one by one: solve, label, train, publish, report")  # fmt: skip
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile), "--cores", str(workers)]
+    command += ["--config", f"scenarios=['{scenario}']", "--rerun-incomplete", "--quiet", "progress", "host"]
+    if dry_run:
+        command.append("--dry-run")
+    # A stopped run leaves a lock behind; the store has its own rules for two writers, so it may be lifted.
+    command.append("--nolock")
+    return subprocess.run(command, cwd=workspace.root, env=os.environ | {"OMP_NUM_THREADS": "1"}).returncode == 0
