@@ -13,7 +13,7 @@ import numpy as np
 from gaitflow.check import FEASIBLE, worst
 from gaitflow.gaits import Pattern
 from gaitflow.problem import GaitProblem
-from gaitflow.solve.nlp import COLD, CONVERGED, Attempt, Start, call_solver, make_ipopt
+from gaitflow.solve.nlp import CONVERGED, IPOPT, Attempt, Start, call_solver, make_ipopt
 from gaitflow.solve.solution import Multipliers
 
 # IPOPT's own default. The bounds form makes do with less, but a baseline should not fail for want of iterations.
@@ -28,14 +28,14 @@ class BigMSolver:
         self.problem = problem
         self._scenario = problem.scenario.as_data()
         self._solver: ca.Function = make_ipopt(
-            problem.minlp, COLD | {"max_iter": MAX_ITERATIONS, "max_cpu_time": time_limit}
+            problem.minlp, IPOPT | {"max_iter": MAX_ITERATIONS, "max_cpu_time": time_limit}
         )
 
     def solve(self, pattern: Pattern, speed: float, cycle_duration: float, start: Start) -> Attempt:
         """One call from the start's w [nw]; v [m/s], T [s]. Multipliers are those of the big-M program.
 
-        Judged as every solve is: forces in swing and slip in stance, here only rows of the program, may not exceed
-        the check's tolerance either (constr_viol_tol is 1e-9, so they do not when IPOPT converges).
+        Judged as every solve is: forces in swing and slip in stance, here rows that hold to constr_viol_tol (1e-9), may
+        not exceed the check's 1e-6 either. A run that stops at IPOPT's acceptable level can, and has failed then.
         Raises ValueError for a pattern with another shape than the scenario's.
         """
         layout = self.problem.layout

@@ -38,7 +38,7 @@ NOTES = (
     "one process; patterns' include building. Failed runs and time limits count with the time that they took. "
     f"Limits: the scenario's a call, {BONMIN_LIMIT_S:g} s for Bonmin, {big_m.MAX_ITERATIONS} iterations for big-M. "
     "build_s is the wall time of transcription, building the solver and its first call.",
-    "successful: the solver converged and our check finds no violation above 1e-6.",
+    "successful: the solver converged and our check finds no violation above 1e-6, the same for all methods.",
     "consistent: the optimum of the exhaustive search by patterns: the cost is at most 0.1 % above its best, or the "
     "gait is its best gait and the cost at most 0.1 % above the best of the pattern that realises it. "
     "consistent_pattern: the cost is at most 0.1 % above the best known of the run's own pattern, whether or not that "
