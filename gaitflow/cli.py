@@ -18,6 +18,8 @@ try:
 except ImportError as error:
     sys.exit(f'gaitflow: the command line needs more than the runtime ({error}): pip install "gaitflow[all]"')
 
+BENCHES = ("discovery", "faults", "map", "select", "stances", "table1")
+DEFAULT_SCENARIO = "half-cheetah-flat-effort"
 scenario_argument = click.argument("scenario")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
 workers_option = click.option("--workers", default=2, show_default=True, type=click.IntRange(1, 1024))
@@ -318,6 +320,39 @@ def report(workspace: Workspace, scenario: str | None, claims: bool, as_json: bo
             return print_json(claims_data(found)) if as_json else click.echo(claims_markdown(found), nl=False)
         paths = stages.report(workspace, workspace.scenario(str(scenario)))
     return print_json([str(path) for path in paths]) if as_json else click.echo("\n".join(map(str, paths)))
+
+
+@main.command()
+@click.argument("name", type=click.Choice(BENCHES))
+@click.option("--scenario", default=DEFAULT_SCENARIO, show_default=True)
+@click.option("--tasks", type=click.IntRange(1), help="How many tasks; by default the bench's own number.")
+@click.option("--seed", default=0, show_default=True)
+@json_option
+@click.pass_obj
+def bench(workspace: Workspace, name: str, scenario: str, tasks: int | None, seed: int, as_json: bool) -> None:
+    """Measure NAME and write docs/results/NAME-SCENARIO.json; a bench that was stopped goes on.
+
+    \b
+    discovery  pattern search against Bonmin's restarts: cost and CPU time
+    table1     the paper's Table I: MINLP, random starts, warm starts
+    map        what making a map took, every label checked again (after `gaitflow run`)
+    select     loading a map and asking it
+    stances    what one stance per leg costs (needs the runs of SCENARIO and SCENARIO-free)
+    faults     kill -9 of workers and runs
+    Example: gaitflow bench select --scenario quickstart
+    """
+    from rich.console import Console
+
+    from gaitflow.bench.document import summary_table, write
+    from gaitflow.bench.measure import measure
+
+    with bad_input():
+        done = measure(name, workspace, workspace.scenario(scenario), tasks, seed)
+        path = write(done, workspace.results)
+    if as_json:
+        return print_json(done)
+    Console().print(summary_table(done))
+    click.echo(path)
 
 
 def quality(data: dict[str, Any]) -> str:

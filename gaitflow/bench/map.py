@@ -1,0 +1,87 @@
+"""What making a map took, and whether every label of it stands: read from a finished run, nothing is solved again.
+
+Wall time comes from the run's journal, from the first solve to the last stored part with pauses between sessions left
+out; every stored motion is judged anew by `gaitflow.check`, whatever its row says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from gaitflow.bench.document import document
+from gaitflow.check import step_gaps, violations
+from gaitflow.dataset.read import Solutions
+from gaitflow.execute.journal import Entry
+from gaitflow.scenario import Scenario
+from gaitflow.solve.solution import Solution
+
+PAUSE_S = 120.0  # a gap in the journal longer than any solve's silence: nobody was running
+
+
+def run(scenario: Scenario, solutions: Solutions, labels: pd.DataFrame, journal: Sequence[Entry]) -> dict[str, Any]:
+    """The document: a row a task, with its label, the label's violation and its worst gap between knots."""
+    frame = solutions.frame()
+    best = {(row.speed, row.cycle_duration, row.pattern): row for row in solutions if row.trajectory is not None}
+    rows, kinds = [], dict[str, float]()
+    for task in labels.to_dict("records"):
+        chosen = best.get((task["speed"], task["cycle_duration"], task["pattern"]))
+        rows.append({key: task[key] for key in ("speed", "cycle_duration", "split", "status", "gait", "pattern")})
+        rows[-1] |= {"cost": task["cost"], "margin": task["margin"], "runner_up": task["runner_up"]}
+        if chosen is not None:
+            found = _judge(solutions, chosen)
+            kinds = {kind: max(kinds.get(kind, 0.0), value) for kind, value in found.items()}
+            rows[-1] |= {"violation": max(found.values()), "gap_between_knots": gap_between_knots(solutions, chosen)}
+    solvable = frame[frame["status"] == "solved"].groupby(["speed", "cycle_duration"]).ngroups
+    solved = labels["status"] == "solved"
+    summary = {
+        "tasks": len(labels),
+        "labelled": int(solved.sum()),
+        "infeasible_tasks": int((~solved).sum()),
+        "feasible_but_unlabelled": solvable - int(solved.sum()),
+        "patterns_per_task": len(frame) // max(len(labels), 1),
+        "rows_by_status": {str(k): int(v) for k, v in frame["status"].value_counts().items()},
+        "solver_calls": int(frame["solves"].sum()),
+        "iterations": int(frame["iterations"].sum()),
+        "worst_label_violation": max((row["violation"] for row in rows if "violation" in row), default=None),
+        "worst_violation_by_kind": kinds,
+        "worst_gap_between_knots": max((row["gap_between_knots"] for row in rows if "violation" in row), default=None),
+        "wall_s": active_seconds(journal),
+        "cpu_s": sum(entry.cpu_s for entry in journal if entry.event == "stored" and entry.kept),
+        "gaits": {str(k): int(v) for k, v in labels.loc[solved, "gait"].value_counts().items()},
+    }
+    notes = (
+        "violation: worst scaled constraint violation by the independent check (at most 1e-6 is feasible)",
+        "gap_between_knots: largest difference of position [m] or angle [rad] in one step between the stored motion "
+        "and the continuous one under the same forces",
+        "wall_s: from the run's journal, on the machine's share that the run got; other work may have run beside it",
+    )
+    return document("map", scenario.name, rows, summary, notes)
+
+
+def gap_between_knots(solutions: Solutions, row: Solution) -> float:
+    """Worst position [m] or angle [rad] error of a step against the continuous motion under the same forces."""
+    assert row.trajectory is not None
+    gaps = step_gaps(solutions.record["scenario"], row.trajectory)
+    return float(np.abs(gaps[:, : gaps.shape[1] // 2]).max())
+
+
+def active_seconds(journal: Sequence[Entry]) -> float:
+    """Seconds from the first to the last entry without pauses; a unit in work is no pause."""
+    total, until = 0.0, None
+    spans = sorted((entry.time - entry.wall_s, entry.time) for entry in journal if entry.event == "stored")
+    for start, end in spans:
+        if until is None or start > until + PAUSE_S:
+            total, until = total + (end - start), end
+        elif end > until:
+            total, until = total + (end - until), end
+    return total
+
+
+def _judge(solutions: Solutions, row: Solution) -> dict[str, float]:
+    assert row.trajectory is not None
+    scenario = solutions.record["scenario"]
+    return violations(scenario, row.trajectory, row.speed, row.cycle_duration, row.pattern)

@@ -1,0 +1,46 @@
+"""The benches by name, each with the files it reads."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import pandas as pd
+
+from gaitflow.bench import discovery, faults, map, select, stances, table1
+from gaitflow.dataset import load_solutions
+from gaitflow.execute.journal import read_journal
+from gaitflow.runtime.versions import resolve
+from gaitflow.scenario import Scenario
+from gaitflow.workspace import Workspace
+
+
+def measure(name: str, workspace: Workspace, scenario: Scenario, tasks: int | None, seed: int) -> dict[str, Any]:
+    """Run one bench and return its document; `tasks` None takes the bench's own number.
+
+    Raises ValueError or FileNotFoundError when what a bench reads (a run, a published map) is not there.
+    """
+    runs = workspace.root / "runs"
+    own = {} if tasks is None else {"tasks": tasks}
+    benches: dict[str, Callable[[], dict[str, Any]]] = {
+        "discovery": partial(discovery.run, scenario, seed=seed, runs=runs, **own),
+        "faults": partial(faults.faults, scenario, tasks or 12, 20, seed),
+        "map": partial(_map, workspace, scenario),
+        "select": lambda: select.run(resolve(workspace.models / scenario.name), seed=seed),
+        "stances": partial(_stances, workspace, scenario),
+        "table1": lambda: table1.run(scenario, resolve(workspace.models / scenario.name), seed=seed, runs=runs, **own),
+    }
+    return benches[name]()
+
+
+def _map(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
+    run = workspace.run(scenario)
+    journal = read_journal(run.folder / "journal")
+    return map.run(scenario, load_solutions(run.solutions), pd.read_parquet(run.labels), journal)
+
+
+def _stances(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
+    free = workspace.scenario(f"{scenario.name}-free")
+    labels, free_labels = (pd.read_parquet(workspace.run(each).labels) for each in (scenario, free))
+    return stances.run(scenario, free, labels, free_labels)
