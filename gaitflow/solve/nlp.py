@@ -46,7 +46,7 @@ class Attempt:
 
     start: str
     feasible: bool
-    gave_up: bool  # stopped by a limit or an exception rather than by a verdict on feasibility
+    gave_up: bool  # not feasible, and the solver found no infeasibility either: a limit, an exception, a false success
     solver_status: str
     cost: float
     violation: float
@@ -95,10 +95,11 @@ class FixedGaitSolver:
         w = result["x"]
         trajectory = self.problem.layout.unpack(w, cycle_duration)
         violation = worst(self._scenario, trajectory, speed, cycle_duration, pattern.text)
+        feasible = violation <= FEASIBLE and status in CONVERGED
         return Attempt(
             start=start.name,
-            feasible=violation <= FEASIBLE and status in CONVERGED,
-            gave_up=status not in CONVERGED and status != "Infeasible_Problem_Detected",
+            feasible=feasible,
+            gave_up=not feasible and status != "Infeasible_Problem_Detected",
             solver_status=status,
             cost=float(result["f"][0]) * self.problem.cost_scale,
             violation=violation,
