@@ -159,6 +159,7 @@ def test_no_restarts_are_refused(scenario: Scenario, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(300)
 def test_a_real_task_is_found_by_both(scenario: Scenario, tmp_path: Path, monkeypatch) -> None:
     done = run(scenario, tasks=1, restarts=1, runs=tmp_path)
     (found,) = done["rows"]
