@@ -12,6 +12,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from gaitflow.dataset.provenance import dataset_record, read_record
+from gaitflow.dataset.read import FILE_NAME
 from gaitflow.dataset.schema import HEAVY, SCALARS, Sizes, solution_schema
 from gaitflow.dataset.seal import check_seal
 from gaitflow.dataset.store import DamagedPart, UnitStore, write_sealed
@@ -29,14 +30,11 @@ class NotComplete(ValueError):
     """Units are missing or damaged, so that there is no dataset yet; the message says how many, and what to do."""
 
 
-def collect(
-    store: UnitStore, scenario: Scenario, target: Path | None = None, keep_trajectories: int | None = None
-) -> Path:
-    """Merge every unit of `scenario` into one file, `<store>/solutions.parquet` by default, and return its path.
+def collect(store: UnitStore, scenario: Scenario) -> Path:
+    """Merge every unit of `scenario` into one file, `<store>/solutions.parquet`, and return its path.
 
-    Rows are sorted by (split, T, v, pattern, seed, start). With `keep_trajectories=N` only the cheapest solved row of
-    each of the N cheapest gaits of a task keeps its trajectory and multipliers; the others have nulls there. Every
-    part is checked; a bad one goes to quarantine. Raises NotComplete, WriteError.
+    Rows are sorted by (split, T, v, pattern, seed, start). Every part is checked; a bad one goes to quarantine.
+    Raises NotComplete, WriteError.
     """
     units = plan_units(scenario)
     stored = store.solved()
@@ -50,11 +48,9 @@ def collect(
             f"The first: {next(iter(damaged.values()))}"
         )
     try:
-        rows = _scalars(store, units)
-        rows["keep"] = True if keep_trajectories is None else _cheapest(rows, keep_trajectories)
-        rows = rows.sort_values(ORDER, kind="stable", ignore_index=True)
+        rows = _scalars(store, units).sort_values(ORDER, kind="stable", ignore_index=True)
         records = [read_record(pq.read_metadata(store.path(unit.digest)).metadata, unit.digest) for unit in units]
-        target = target or store.folder / "solutions.parquet"
+        target = store.folder / FILE_NAME
         read = functools.lru_cache(maxsize=OPEN_PARTS)(lambda index: store.read(units[index]))
         schema = solution_schema(Sizes.of(scenario))
         with new_file(target, replace=True) as file:
@@ -66,9 +62,10 @@ def collect(
 
 
 def thin(collected: Path, target: Path, keep_trajectories: int) -> Path:
-    """Copy a collected file, keeping trajectories and multipliers as `collect` does with `keep_trajectories`.
+    """Copy a collected file to a size that can be published.
 
-    Raises ValueError when `collected` is not a dataset of ours or damaged, WriteError.
+    Only the cheapest solved row of each of the `keep_trajectories` cheapest gaits of a task keeps its trajectory and
+    multipliers; the others have nulls there. Raises ValueError when `collected` is damaged or not ours, WriteError.
     """
     check_seal(collected)
     with pq.ParquetFile(collected) as file, new_file(target, replace=True) as thinned:
@@ -110,10 +107,7 @@ def _tables(rows: pd.DataFrame, read: Callable[[int], pa.Table], schema: pa.Sche
         pieces, places = [], []
         for index, members in block.groupby("unit", sort=True):
             part = read(int(index))  # type: ignore[arg-type]
-            everything = pa.array(members["row"])
-            kept = pa.array(members["row"], mask=~members["keep"].to_numpy(dtype=bool))
-            columns = [part[name].take(kept if name in HEAVY else everything) for name in schema.names]
-            pieces.append(pa.Table.from_arrays(columns, schema=schema))
+            pieces.append(part.select(schema.names).cast(schema).take(pa.array(members["row"])))
             places.append(members.index.to_numpy() - start)
         order = np.argsort(np.concatenate(places))
         yield pa.concat_tables(pieces).take(pa.array(order)).combine_chunks()

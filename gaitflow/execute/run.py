@@ -132,7 +132,7 @@ def _drain(
     queue = missing[::-1]
     flying: dict[Future[Receipt], Unit] = {}
     while (queue or flying) and not stop.is_set():
-        room = window or UNITS_PER_WORKER * max(1, len(client.scheduler_info(n_workers=-1)["workers"]))
+        room = window or UNITS_PER_WORKER * max(1, len(client.nthreads()))
         while queue and len(flying) < room:
             unit = queue.pop()
             # Not pure: a unit that is submitted again must not be answered by what Dask remembers of it.

@@ -26,6 +26,7 @@ from gaitflow.files import WriteError
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 START_UP_S = 60.0
 LONGEST_UNIT_S = 3600.0
+STORING_S = 2.0  # a process asked to end may first finish the part that it is writing
 CHUNK = 1 << 16
 
 
@@ -70,10 +71,13 @@ class Solver:
         return Receipt(unit.digest, "failed" if kept else "already", attempts[-1].reason, tuple(lost))
 
     def close(self) -> None:
-        """End the solver process now; a unit in flight raises SolverClosed in the thread that runs it."""
+        """End the solver process; a unit in flight is given up and raises SolverClosed in the thread that runs it."""
         with self._lock:
             self._closed = True
             if self._process is not None:  # whoever waits for its answer tidies up
+                self._process.terminate()
+                with suppress(subprocess.TimeoutExpired):
+                    self._process.wait(STORING_S)
                 self._process.kill()
                 self._process.wait()
         self._starter.shutdown(wait=False)

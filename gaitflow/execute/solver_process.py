@@ -17,7 +17,8 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -72,8 +73,9 @@ def serve(unit: Unit, store: UnitStore, journal: Journal, solve: str) -> Receipt
             solutions = function(unit.scenario, unit.tasks, unit.seeds)
         except Exception as error:
             return Receipt(unit.digest, "raised", f"{type(error).__name__}: {error}")
-        kept = store.write(unit, solutions, solver_options)
-        journal.stored(unit.digest, time.process_time() - cpu, time.perf_counter() - wall, kept)
+        with _storing():
+            kept = store.write(unit, solutions, solver_options)
+            journal.stored(unit.digest, time.process_time() - cpu, time.perf_counter() - wall, kept)
     except ValueError as error:  # the solver's answer does not fit the scenario
         return Receipt(unit.digest, "raised", f"{type(error).__name__}: {error}")
     except WriteError as error:
@@ -96,6 +98,19 @@ def die_with(parent: int) -> None:
     if os.getppid() != parent:  # it died before we asked to be told
         os._exit(1)
     threading.Thread(target=watch, daemon=True, name="parent watch").start()
+
+
+@contextmanager
+def _storing() -> Iterator[None]:
+    """Let SIGTERM, which otherwise ends us in the middle of a solve, wait until a part is whole."""
+    asked: list[int] = []
+    signal.signal(signal.SIGTERM, lambda number, frame: asked.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        if asked:
+            os.kill(os.getpid(), signal.SIGTERM)
 
 
 def _protect_stdout() -> TextIO:

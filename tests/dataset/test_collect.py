@@ -10,7 +10,7 @@ import pytest
 
 from gaitflow.dataset import collect as module
 from gaitflow.dataset import load_solutions
-from gaitflow.dataset.collect import NotComplete, collect
+from gaitflow.dataset.collect import NotComplete, collect, thin
 from gaitflow.dataset.schema import HEAVY
 from gaitflow.dataset.store import UnitStore
 from gaitflow.dataset.tasks import tasks_of
@@ -64,10 +64,17 @@ def test_rows_are_sorted_and_complete(
 
 
 def test_published_size_keeps_trajectories_of_the_cheapest_gaits(
-    store: UnitStore, scenario: Scenario, units: tuple[Unit, ...], make_solutions: Make
+    store: UnitStore,
+    scenario: Scenario,
+    units: tuple[Unit, ...],
+    make_solutions: Make,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    whole = load_solutions(collect(fill(store, units, make_solutions), scenario))
-    small = load_solutions(collect(store, scenario, target=store.folder / "small.parquet", keep_trajectories=1))
+    collected = collect(fill(store, units, make_solutions), scenario)
+    monkeypatch.setattr(module, "ROWS_PER_GROUP", 5)
+    small = load_solutions(thin(collected, store.folder / "small.parquet", keep_trajectories=1))
+    whole = load_solutions(collected)
+    assert small.record == whole.record
     pd.testing.assert_frame_equal(whole.frame(), small.frame())
     for _, rows in small.frame().groupby(["split", "cycle_duration", "speed"]):
         kept = [i for i in rows.index if small[i].trajectory is not None]
@@ -107,3 +114,13 @@ def test_a_damaged_part_is_named_and_the_old_dataset_stays(
     assert target.read_bytes() == before
     store.write(units[2], make_solutions(units[2]), {"tol": 1e-9})
     assert collect(store, scenario) == target
+
+
+def test_a_damaged_dataset_is_not_thinned(
+    store: UnitStore, scenario: Scenario, units: tuple[Unit, ...], make_solutions: Make
+) -> None:
+    collected = collect(fill(store, units, make_solutions), scenario)
+    collected.write_bytes(collected.read_bytes()[:-50])
+    with pytest.raises(ValueError, match="truncated"):
+        thin(collected, store.folder / "small.parquet", keep_trajectories=1)
+    assert not (store.folder / "small.parquet").exists()

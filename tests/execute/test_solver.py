@@ -12,8 +12,10 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 
+from gaitflow.dataset.provenance import read_record
 from gaitflow.dataset.schema import table_to_solutions
 from gaitflow.dataset.store import UnitStore
 from gaitflow.dataset.units import Unit, plan_units
@@ -194,3 +196,34 @@ def alive(pid: int) -> bool:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except (ProcessLookupError, FileNotFoundError):
         return False
+
+
+def test_the_real_solver_solves_and_its_record_tells_how(scenario: Scenario, store: UnitStore) -> None:
+    data = scenario.as_data()
+    data["transcription"]["knots_per_phase"] = 4
+    data["strategy"] |= {"name": "fixed_gait", "pattern": "0110/1100"}
+    unit = plan_units(Scenario.from_data(data, "test"))[1]
+    made.append(Solver())
+    assert made[-1].run(unit, store).outcome == "solved"
+    (row,) = table_to_solutions(store.read(unit))
+    assert row.status == "solved" and row.violation <= 1e-6 and row.cost > 0 and row.trajectory is not None
+    record = read_record(pq.read_metadata(store.path(unit.digest)).metadata, "part")
+    assert record["solver_options"]["ipopt"]["tol"] <= 1e-6
+
+
+def test_a_process_asked_to_end_finishes_the_part_it_writes(
+    store: UnitStore, units: tuple[Unit, ...], checkout: Path
+) -> None:
+    """The child asks itself to end in the middle of its write, so that no luck is needed to hit it."""
+    code = (
+        "import os, signal, sys; from pathlib import Path; import fakes;"
+        "from gaitflow.dataset.store import UnitStore; from gaitflow.execute.solver_process import main;"
+        "write = UnitStore.write;"
+        "UnitStore.write = lambda *a: (os.kill(os.getpid(), signal.SIGTERM), write(*a))[1];"
+        "main(['--parent', str(os.getppid()), '--solve', 'fakes:steady'])"
+    )
+    request = json.dumps({"unit": units[0].as_data(), "store": str(store.folder)}) + "\n"
+    done = subprocess.run([sys.executable, "-c", code], input=request, text=True, cwd=checkout, timeout=60)
+    assert done.returncode == -signal.SIGTERM
+    assert store.validate(units[0]) is None and store.has(units[0])
+    assert [entry.event for entry in read_journal(store.folder / "journal")] == ["start", "stored"]
