@@ -24,8 +24,8 @@ SPEED, CYCLE = 0.9, 0.6
 
 
 @pytest.fixture(scope="module")
-def cheetah(checkout: Path) -> Scenario:
-    scenario = load_scenario(checkout / "configs/scenarios/half-cheetah-slope20-vibration.yaml")
+def planar(checkout: Path) -> Scenario:
+    scenario = load_scenario(checkout / "tests/data/scenarios/planar-slope20-vibration.yaml")
     return scenario.model_copy(update={"transcription": Transcription(knots_per_phase=4)})
 
 
@@ -51,8 +51,8 @@ def _solved(scenario: Scenario, pattern: str, speed: float) -> Trajectory:
 
 
 @pytest.fixture(scope="module")
-def gallop(cheetah: Scenario) -> Trajectory:
-    return _solved(cheetah, "0110/1100", SPEED)
+def gallop(planar: Scenario) -> Trajectory:
+    return _solved(planar, "0110/1100", SPEED)
 
 
 def _random(problem: GaitProblem, seed: int) -> tuple[Array, Trajectory]:
@@ -66,7 +66,7 @@ def _random(problem: GaitProblem, seed: int) -> tuple[Array, Trajectory]:
     return w, layout.unpack(w, CYCLE)
 
 
-@pytest.mark.parametrize("name", ["cheetah", "anymal"])
+@pytest.mark.parametrize("name", ["planar", "anymal"])
 @pytest.mark.parametrize("integrator", ["euler", "rk4"])
 @pytest.mark.parametrize("seed", range(4))
 def test_agrees_with_the_rows_of_the_program(
@@ -95,8 +95,8 @@ def test_agrees_with_the_rows_of_the_program(
     assert min(expected.values()) >= 0
 
 
-def test_a_solved_motion_passes(cheetah: Scenario, anymal: Scenario, gallop: Trajectory) -> None:
-    assert worst(cheetah.as_data(), gallop, SPEED, CYCLE, "0110/1100") <= FEASIBLE
+def test_a_solved_motion_passes(planar: Scenario, anymal: Scenario, gallop: Trajectory) -> None:
+    assert worst(planar.as_data(), gallop, SPEED, CYCLE, "0110/1100") <= FEASIBLE
     trot = _solved(anymal, "0011/1100/1100/0011", 0.4)
     assert worst(anymal.as_data(), trot, 0.4, CYCLE, "0011/1100/1100/0011") <= FEASIBLE
 
@@ -192,22 +192,22 @@ PLANTED: list[tuple[Callable[[Trajectory], None], str, float, set[str]]] = [
 
 @pytest.mark.parametrize(("plant", "kind", "size", "also"), PLANTED, ids=[kind for _, kind, _, _ in PLANTED])
 def test_finds_a_planted_violation_and_names_it(
-    cheetah: Scenario, gallop: Trajectory, plant: Callable[[Trajectory], None], kind: str, size: float, also: set[str]
+    planar: Scenario, gallop: Trajectory, plant: Callable[[Trajectory], None], kind: str, size: float, also: set[str]
 ) -> None:
     """`also` are the conditions that no such change can leave intact; nothing else may be blamed."""
     spoilt = Trajectory(*(getattr(gallop, field.name).copy() for field in fields(Trajectory)))
     plant(spoilt)
-    found = violations(cheetah.as_data(), spoilt, SPEED, CYCLE, "0110/1100")
+    found = violations(planar.as_data(), spoilt, SPEED, CYCLE, "0110/1100")
     broken = {name for name, value in found.items() if value > FEASIBLE}
     assert kind in broken
     assert broken <= {kind} | also
     if not math.isnan(size):
         assert found[kind] == pytest.approx(size, rel=0.02)
-    assert worst(cheetah.as_data(), spoilt, SPEED, CYCLE, "0110/1100") == max(found.values()) > FEASIBLE
+    assert worst(planar.as_data(), spoilt, SPEED, CYCLE, "0110/1100") == max(found.values()) > FEASIBLE
 
 
-def test_every_kind_is_planted(cheetah: Scenario, gallop: Trajectory) -> None:
-    kinds = violations(cheetah.as_data(), gallop, SPEED, CYCLE, "0110/1100")
+def test_every_kind_is_planted(planar: Scenario, gallop: Trajectory) -> None:
+    kinds = violations(planar.as_data(), gallop, SPEED, CYCLE, "0110/1100")
     assert set(kinds) == {kind for _, kind, _, _ in PLANTED}
 
 
@@ -216,32 +216,32 @@ def test_every_kind_is_planted(cheetah: Scenario, gallop: Trajectory) -> None:
     (SPEED, CYCLE * 1.01, {"periodicity", "cycle", "phase duration"}),  # two of its phases are as short as can be
 ])  # fmt: skip
 def test_a_motion_of_another_task_is_refused(
-    cheetah: Scenario, gallop: Trajectory, speed: float, cycle: float, kinds: set[str]
+    planar: Scenario, gallop: Trajectory, speed: float, cycle: float, kinds: set[str]
 ) -> None:
-    found = violations(cheetah.as_data(), gallop, speed, cycle, "0110/1100")
+    found = violations(planar.as_data(), gallop, speed, cycle, "0110/1100")
     assert {kind for kind, value in found.items() if value > FEASIBLE} == kinds
 
 
-def test_a_motion_of_another_pattern_is_refused(cheetah: Scenario, gallop: Trajectory) -> None:
+def test_a_motion_of_another_pattern_is_refused(planar: Scenario, gallop: Trajectory) -> None:
     for pattern, kind in (("0100/1100", "force in swing"), ("0111/1100", "slip in stance")):
-        assert violations(cheetah.as_data(), gallop, SPEED, CYCLE, pattern)[kind] > 0.01
+        assert violations(planar.as_data(), gallop, SPEED, CYCLE, pattern)[kind] > 0.01
 
 
 @pytest.mark.parametrize("name", [field.name for field in fields(Trajectory)])
 @pytest.mark.parametrize("value", [math.nan, math.inf])
 def test_what_is_not_a_number_is_infinitely_wrong(
-    cheetah: Scenario, gallop: Trajectory, name: str, value: float
+    planar: Scenario, gallop: Trajectory, name: str, value: float
 ) -> None:
     array = getattr(gallop, name).copy()
     array.flat[array.size // 2] = value
-    assert worst(cheetah.as_data(), replace(gallop, **{name: array}), SPEED, CYCLE, "0110/1100") == math.inf
+    assert worst(planar.as_data(), replace(gallop, **{name: array}), SPEED, CYCLE, "0110/1100") == math.inf
 
 
-def test_step_gaps_are_the_distance_to_the_continuous_motion(cheetah: Scenario, gallop: Trajectory) -> None:
+def test_step_gaps_are_the_distance_to_the_continuous_motion(planar: Scenario, gallop: Trajectory) -> None:
     """Each step integrated anew by an adaptive method, from planar equations written out here."""
-    gaps = step_gaps(cheetah.as_data(), gallop)
+    gaps = step_gaps(planar.as_data(), gallop)
     assert gaps.shape == (16, 6)
-    slope, inertia = math.radians(20.0), cheetah.robot.inertia[0][0]
+    slope, inertia = math.radians(20.0), planar.robot.inertia[0][0]
     for k in (0, 5, 9, 15):
         force, feet, speed = gallop.forces[k], gallop.feet[k], gallop.foot_velocities[k]
 
@@ -257,8 +257,8 @@ def test_step_gaps_are_the_distance_to_the_continuous_motion(cheetah: Scenario, 
     assert np.abs(gaps).max() > 1e-3  # Euler at 16 steps is not free of it
 
 
-def test_the_box_holds_at_the_last_knot_too(cheetah: Scenario, gallop: Trajectory) -> None:
+def test_the_box_holds_at_the_last_knot_too(planar: Scenario, gallop: Trajectory) -> None:
     """The program leaves it to periodicity; the check must not."""
     far = replace(gallop, feet=gallop.feet.copy())
     far.feet[-1, F, 0] += 1.0
-    assert violations(cheetah.as_data(), far, SPEED, CYCLE, "0110/1100")["kinematic box"] > 0.5
+    assert violations(planar.as_data(), far, SPEED, CYCLE, "0110/1100")["kinematic box"] > 0.5

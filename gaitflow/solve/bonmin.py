@@ -81,7 +81,9 @@ def _restart(problem: GaitProblem, bonmin: ca.Function, fixed: FixedGaitSolver, 
         "infeasible" if status == "INFEASIBLE" else "failed", status, nan, nan, iterations, 1, wall, cpu,
     )  # fmt: skip
     contacts = result["x"][layout.nw :].reshape(layout.legs, layout.phases)
-    decided = np.abs(contacts - contacts.round()).max() < 1e-3 and not status.startswith("exception")
+    # Stopped before it met a solution, Bonmin hands back zeros; and where no leg ever stands there is no gait.
+    decided = np.abs(contacts - contacts.round()).max() < 1e-3 and contacts.round().any()
+    decided = decided and not status.startswith("exception")
     if status == "INFEASIBLE" or not decided:
         return row
     found = Pattern(tuple("".join(str(int(c)) for c in leg.round()) for leg in contacts))

@@ -1,4 +1,4 @@
-"""The two bodies that every term is tested on: the half-cheetah in the plane and ANYmal in space."""
+"""The two bodies that every term is tested on: a planar pair of legs and ANYmal in space."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from gaitflow.scenario import Scenario, Transcription, load_scenario
 
 
 @pytest.fixture(scope="session")
-def cheetah(checkout: Path) -> Scenario:
+def planar(checkout: Path) -> Scenario:
     """The paper's settings in the plane."""
-    return load_scenario(checkout / "configs/scenarios/half-cheetah-slope20-vibration.yaml")
+    return load_scenario(checkout / "tests/data/scenarios/planar-slope20-vibration.yaml")
 
 
 @pytest.fixture(scope="session")
@@ -31,7 +31,7 @@ def small_anymal(anymal: Scenario) -> Scenario:
     )
 
 
-@pytest.fixture(params=["cheetah", "small_anymal"])
+@pytest.fixture(params=["planar", "small_anymal"])
 def either(request: pytest.FixtureRequest) -> Scenario:
     """A scenario in the plane, then one in space."""
     scenario: Scenario = request.getfixturevalue(request.param)

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,7 +9,7 @@ from hypothesis import strategies as st
 
 from gaitflow.problem import transcribe
 from gaitflow.problem.layout import Layout, knot_times
-from gaitflow.scenario import Scenario
+from gaitflow.scenario import Scenario, load_scenario
 
 layouts = st.builds(
     Layout,
@@ -19,13 +21,19 @@ layouts = st.builds(
 )
 
 
-def test_variable_counts_of_the_paper(cheetah: Scenario, anymal: Scenario) -> None:
-    """Section IV: 734 and 742 in the plane as printed; 41*24 + 40*24 + 4 in space, and a binary per leg and phase."""
-    planar, spatial = transcribe(cheetah), transcribe(anymal)
-    assert planar.layout.nw == planar.nlp.numel_in(0) == 734
-    assert planar.minlp.numel_in(0) == 742
-    assert spatial.layout.nw == spatial.nlp.numel_in(0) == 1948
-    assert spatial.minlp.numel_in(0) == 1964
+@pytest.mark.parametrize("name", ["flat-effort", "flat-vibration", "slope20-vibration"])
+def test_variable_counts_of_the_paper_in_the_plane(checkout: Path, name: str) -> None:
+    """Section IV.B: 734 for a given gait and 742 for the MINLP."""
+    problem = transcribe(load_scenario(checkout / f"configs/scenarios/half-cheetah-{name}.yaml"))
+    assert problem.layout.nw == problem.nlp.numel_in(0) == 734
+    assert problem.minlp.numel_in(0) == 742
+
+
+def test_variable_counts_in_space(anymal: Scenario) -> None:
+    """41 states of 24, 40 controls of 24 and 4 durations; a binary per leg and phase more for the MINLP."""
+    problem = transcribe(anymal)
+    assert problem.layout.nw == problem.nlp.numel_in(0) == 1948
+    assert problem.minlp.numel_in(0) == 1964
 
 
 @given(layouts)
@@ -61,8 +69,8 @@ def test_named_slices_hold_what_they_say(layout: Layout, seed: int, cycle: float
     np.testing.assert_array_equal(w[layout.fractions] * cycle, trajectory.durations)
 
 
-def test_unpacked_arrays_own_their_numbers(cheetah: Scenario) -> None:
-    layout = transcribe(cheetah).layout
+def test_unpacked_arrays_own_their_numbers(planar: Scenario) -> None:
+    layout = transcribe(planar).layout
     w = np.ones(layout.nw)
     trajectory = layout.unpack(w, 1.0)
     trajectory.base[:] = 7.0

@@ -26,12 +26,12 @@ def test_effort_is_the_sum_of_squared_forces(either: Scenario) -> None:
     assert _value(either, Objective(force=2.0), np.ones(layout.nx), u, 1.0) == pytest.approx(2 * 25)
 
 
-def test_vibration_in_the_plane(cheetah: Scenario) -> None:
+def test_vibration_in_the_plane(planar: Scenario) -> None:
     """Eq. (9), with pitch measured from the slope."""
-    layout = layout_of(cheetah)
+    layout = layout_of(planar)
     x = np.concatenate([[9.0, 9.0, 0.1, 1.5, -0.2, 0.4], np.full(layout.nx - layout.nb, 9.0)])
     expected = 2 * 0.5**2 + 3 * 0.2**2 + 5 * 0.1**2 + 7 * 0.4**2
-    assert _value(cheetah, VIBRATION, x, np.full(layout.nu, 9.0), 1.0) == pytest.approx(expected)
+    assert _value(planar, VIBRATION, x, np.full(layout.nu, 9.0), 1.0) == pytest.approx(expected)
 
 
 def test_vibration_in_space(anymal: Scenario) -> None:

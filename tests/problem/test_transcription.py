@@ -66,9 +66,9 @@ def test_second_derivatives_match_finite_differences(problem: GaitProblem) -> No
         np.testing.assert_allclose((found @ direction).full(), numeric, rtol=1e-5, atol=1e-5 * np.abs(numeric).max())
 
 
-def test_the_cost_is_the_euler_sum_of_the_integrand(cheetah: Scenario) -> None:
+def test_the_cost_is_the_euler_sum_of_the_integrand(planar: Scenario) -> None:
     """Eq. (9) written out in numpy on a random trajectory, times the step of each phase."""
-    problem = transcribe(cheetah)
+    problem = transcribe(planar)
     w, (speed, cycle) = _somewhere(problem), TASK
     trajectory = problem.layout.unpack(w, cycle)
     v_t, v_n, pitch, rate = (trajectory.base[:-1, index] for index in (3, 4, 2, 5))
@@ -76,9 +76,9 @@ def test_the_cost_is_the_euler_sum_of_the_integrand(cheetah: Scenario) -> None:
     assert float(problem.nlp(w, TASK)[0]) * problem.cost_scale == pytest.approx(expected)
 
 
-def test_one_program_serves_every_task(cheetah: Scenario) -> None:
+def test_one_program_serves_every_task(planar: Scenario) -> None:
     """Speed and cycle duration are parameters: they move the periodicity rows and the steps, and no bound."""
-    problem = transcribe(cheetah)
+    problem = transcribe(planar)
     layout, w = problem.layout, _somewhere(problem)
     rows = [problem.nlp(w, task)[1].full().ravel() for task in ([0.8, 0.6], [1.8, 0.6])]
     changed = np.flatnonzero(rows[0] != rows[1])
@@ -124,9 +124,9 @@ def test_free_rows_are_exactly_the_constant_ones(problem: GaitProblem) -> None:
 
 
 @pytest.mark.parametrize("text", ["0110", "011/110", "0110/1100/0011", "0110/1100/0011/1001/1111"])
-def test_a_pattern_of_another_shape_is_refused(cheetah: Scenario, text: str) -> None:
+def test_a_pattern_of_another_shape_is_refused(planar: Scenario, text: str) -> None:
     with pytest.raises(ValueError, match=r"the scenario has 2 and 4"):
-        transcribe(cheetah).bounds(Pattern.from_text(text))
+        transcribe(planar).bounds(Pattern.from_text(text))
 
 
 def test_the_path_starts_at_the_origin_and_only_where_that_is_free(anymal: Scenario) -> None:

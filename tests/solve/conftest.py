@@ -1,4 +1,4 @@
-"""Scenarios to solve: the half-cheetah as shipped, and the same with few knots where the number does not matter."""
+"""Scenarios to solve: a planar pair of legs, and the same with few knots where the number does not matter."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Solve = Callable[..., Attempt]
 @pytest.fixture(scope="session")
 def effort(checkout: Path) -> Scenario:
     """Least effort on flat ground, the paper's 4 phases of 10 knots."""
-    return load_scenario(checkout / "configs/scenarios/half-cheetah-flat-effort.yaml")
+    return load_scenario(checkout / "tests/data/scenarios/planar-flat-effort.yaml")
 
 
 @pytest.fixture(scope="session")
