@@ -57,13 +57,16 @@ def solve(workspace: Workspace, scenario: Scenario, workers: int) -> tuple[RunSt
 def label(workspace: Workspace, scenario: Scenario) -> pd.DataFrame:
     """Label every task with its cheapest gait; writes the labels and the gaits' costs."""
     from gaitflow.dataset import load_solutions
+    from gaitflow.dataset.gaps import GAP, gaps_between_knots
     from gaitflow.dataset.labels import gait_costs, label_tasks
     from gaitflow.dataset.tasks import tasks_of
 
     run = workspace.run(scenario)
     _need(run.solutions, f"gaitflow solve {scenario.name}")
-    costs = gait_costs(load_solutions(run.solutions).frame(), scenario.robot.leg_names)
+    solutions = load_solutions(run.solutions)
+    costs = gait_costs(solutions.frame(), scenario.robot.leg_names)
     labels = label_tasks(costs, tasks_of(scenario), scenario.learning.tie_tolerance)
+    labels[GAP] = gaps_between_knots(labels, solutions)
     _write_frame(run.gait_costs, costs)
     _write_frame(run.labels, labels)
     return labels
@@ -190,10 +193,23 @@ def read_labels(dataset: Path) -> list[dict[str, Any]]:
 
     import pandas as pd
 
+    from gaitflow.dataset.gaps import GAP
     from gaitflow.dataset.publish import LABELS
 
     path = dataset / LABELS if dataset.is_dir() else dataset
-    keys = ["speed", "cycle_duration", "gait", "pattern", "cost", "margin", "runner_up", "status", "split", "label"]
+    keys = [
+        "speed",
+        "cycle_duration",
+        "gait",
+        "pattern",
+        "cost",
+        "margin",
+        "runner_up",
+        "status",
+        "split",
+        "label",
+        GAP,
+    ]
     try:
         rows = pd.read_parquet(path)[[*keys, "ties"]].to_dict("records")
     except (OSError, KeyError, ValueError) as error:

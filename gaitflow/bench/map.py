@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from gaitflow.bench.document import document
-from gaitflow.check import step_gaps, violations
+from gaitflow.check import violations
+from gaitflow.dataset.gaps import gap_between_knots
 from gaitflow.dataset.read import Solutions
 from gaitflow.execute.journal import Entry
 from gaitflow.scenario import Scenario
@@ -34,7 +34,10 @@ def run(scenario: Scenario, solutions: Solutions, labels: pd.DataFrame, journal:
         if chosen is not None:
             found = _judge(solutions, chosen)
             kinds = {kind: max(kinds.get(kind, 0.0), value) for kind, value in found.items()}
-            rows[-1] |= {"violation": max(found.values()), "gap_between_knots": gap_between_knots(solutions, chosen)}
+            rows[-1] |= {
+                "violation": max(found.values()),
+                "gap_between_knots": gap_between_knots(solutions.record["scenario"], chosen),
+            }
     solvable = frame[frame["status"] == "solved"].groupby(["speed", "cycle_duration"]).ngroups
     solved = labels["status"] == "solved"
     summary = {
@@ -60,13 +63,6 @@ def run(scenario: Scenario, solutions: Solutions, labels: pd.DataFrame, journal:
         "wall_s: from the run's journal, on the machine's share that the run got; other work may have run beside it",
     )
     return document("map", scenario.name, rows, summary, notes)
-
-
-def gap_between_knots(solutions: Solutions, row: Solution) -> float:
-    """Worst position [m] or angle [rad] error of a step against the continuous motion under the same forces."""
-    assert row.trajectory is not None
-    gaps = step_gaps(solutions.record["scenario"], row.trajectory)
-    return float(np.abs(gaps[:, : gaps.shape[1] // 2]).max())
 
 
 def active_seconds(journal: Sequence[Entry]) -> float:

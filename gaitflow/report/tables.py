@@ -14,7 +14,7 @@ from gaitflow.gaits import Pattern, diagram
 from gaitflow.report.palette import ordered_gaits
 from gaitflow.solve.solution import Solution
 
-RESIDUAL = "residual"  # optional column of the labels: how far the motion is off between its knots, scaled
+RESIDUAL = "gap_between_knots"  # optional column of the labels: how far a step is from the continuous motion
 QUALITIES = (
     ("accuracy", "accuracy"),
     ("macro_f1", "macro F1"),
@@ -70,7 +70,7 @@ def gait_table(labels: pd.DataFrame, leg_names: Sequence[str]) -> Table:
             str(int((won["ties"].map(len) > 1).sum())),
         ]
         rows.append((*row, number(float(won[RESIDUAL].max()))) if with_residual else tuple(row))
-    return Table((*columns, "worst residual between knots") if with_residual else tuple(columns), tuple(rows))
+    return Table((*columns, "worst gap between knots [m or rad]") if with_residual else tuple(columns), tuple(rows))
 
 
 def _range(low: float, high: float) -> str:

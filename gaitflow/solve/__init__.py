@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from gaitflow.scenario import Scenario
-from gaitflow.solve.bonmin import solve_restarts
-from gaitflow.solve.patterns import solve_chain
 from gaitflow.solve.solution import Solution
 from gaitflow.task import Task
 
@@ -19,7 +17,12 @@ def solve_tasks(scenario: Scenario, tasks: Sequence[Task], seeds: Sequence[int] 
     `patterns` and `fixed_gait` solve them as a chain of neighbours, a row per task and pattern; `bonmin` runs once per
     task and seed, by default the seeds strategy.seed, seed + 1, ..., a row each.
     """
+    # Not before: reading a dataset imports this package and needs no CasADi.
     if scenario.strategy.name == "bonmin":
+        from gaitflow.solve.bonmin import solve_restarts
+
         first = scenario.strategy.seed
         return solve_restarts(scenario, tasks, seeds or range(first, first + scenario.strategy.restarts))
+    from gaitflow.solve.patterns import solve_chain
+
     return solve_chain(scenario, tasks)

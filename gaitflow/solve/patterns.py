@@ -127,6 +127,9 @@ def _until_feasible(
 ) -> list[Attempt]:
     attempts: list[Attempt] = []
     for start in _starts(solver, pattern, task, neighbour, restarts):
+        # Where the solver ended at a point of local infeasibility, a random start never helped: see DESIGN.md.
+        if start.name.startswith("random") and not any(attempt.gave_up for attempt in attempts):
+            break
         attempts.append(solver.solve(pattern, task.speed, task.cycle_duration, start))
         if attempts[-1].feasible:
             break

@@ -47,11 +47,11 @@ def test_an_infinite_margin_is_no_part_of_the_mean(labels) -> None:
 
 
 def test_residuals_between_knots_are_shown_when_given(labels) -> None:
-    assert "worst residual between knots" not in gait_table(labels, ("F", "H")).columns
+    assert "worst gap between knots [m or rad]" not in gait_table(labels, ("F", "H")).columns
     residual = np.where(labels["gait"] == "gallop", 0.02, 0.001)
     rows = as_dict(gait_table(labels.assign(residual=residual), ("F", "H")))
-    assert rows["gallop"]["worst residual between knots"] == "0.02"
-    assert rows["walking"]["worst residual between knots"] == "0.001"
+    assert rows["gallop"]["worst gap between knots [m or rad]"] == "0.02"
+    assert rows["walking"]["worst gap between knots [m or rad]"] == "0.001"
 
 
 def test_ties_and_infeasible_tasks_are_listed_one_by_one(labels) -> None:
