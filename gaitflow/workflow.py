@@ -18,9 +18,8 @@ def run_workflow(workspace: Workspace, scenario: str, workers: int, dry_run: boo
         raise ConfigError(f"{workspace.root / snakefile}: no such file; `gaitflow run` belongs into a checkout, "
                           "elsewhere give the stages one by one: solve, label, train, publish, report")  # fmt: skip
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile), "--cores", str(workers)]
-    command += ["--config", f"scenarios=['{scenario}']", "--rerun-incomplete", "--quiet", "progress", "host"]
-    if dry_run:
-        command.append("--dry-run")
+    command += ["--config", f"scenarios=['{scenario}']", "--rerun-incomplete", "--quiet", "progress", "host", "reason"]
+    command.append("--dry-run" if dry_run else "rules")  # the stages speak for themselves
     # A stopped run leaves a lock behind; the store has its own rules for two writers, so it may be lifted.
     command.append("--nolock")
     return subprocess.run(command, cwd=workspace.root, env=os.environ | {"OMP_NUM_THREADS": "1"}).returncode == 0
