@@ -99,20 +99,33 @@ def test_a_chain_gives_the_same_bytes_again(small: Scenario, rows: list[Solution
             assert one.trajectory.forces.tobytes() == other.trajectory.forces.tobytes()
 
 
-def test_a_pattern_that_no_start_solves_is_infeasible_after_all_its_restarts(small: Scenario) -> None:
-    """Too fast for the feet to keep up, not so fast that the screen knows it."""
-    strategy = Strategy(name="fixed_gait", pattern="011/110", restarts=2)
-    (row,) = solve_chain(small.model_copy(update={"strategy": strategy}), [Task(3.0, 0.6)])
-    assert row.status == "infeasible"
-    assert row.solves == 3  # nominal and two random starts
+@pytest.fixture(scope="module")
+def one_gait(small: Scenario) -> Scenario:
+    """A single pattern to try, with two restarts."""
+    return small.model_copy(update={"strategy": Strategy(name="fixed_gait", pattern="011/110", restarts=2)})
+
+
+def test_local_infeasibility_ends_the_search_for_a_pattern(one_gait: Scenario) -> None:
+    """At 3 m/s the feet cannot keep up, which the screen does not know: one start, one verdict."""
+    (row,) = solve_chain(one_gait, [Task(3.0, 0.6)])
+    assert (row.status, row.solver_status, row.solves) == ("infeasible", "Infeasible_Problem_Detected", 1)
     assert row.violation > 1e-3
-    assert row.trajectory is None
+    assert math.isnan(row.cost) and row.trajectory is None
 
 
-def test_a_pattern_that_failed_at_the_neighbour_is_tried_once_more(small: Scenario) -> None:
-    strategy = Strategy(name="fixed_gait", pattern="011/110", restarts=2)
-    rows = solve_chain(small.model_copy(update={"strategy": strategy}), [Task(3.0, 0.6), Task(3.1, 0.6)])
-    assert [row.solves for row in rows] == [3, 1]
+def test_restarts_follow_where_the_solver_gave_up(one_gait: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From the nominal start at the first task; at a task whose neighbour failed too, one start must do."""
+    starts = []
+
+    def solve(self: FixedGaitSolver, pattern: Pattern, speed: float, cycle_duration: float, start: Start) -> Attempt:
+        starts.append((speed, start.name))
+        return replace(honest(self, pattern, speed, cycle_duration, start), feasible=False, gave_up=True)
+
+    honest = FixedGaitSolver.solve
+    monkeypatch.setattr(FixedGaitSolver, "solve", solve)
+    rows = solve_chain(one_gait, CHAIN[:2])
+    assert starts == [(0.4, "nominal"), (0.4, "random-0"), (0.4, "random-1"), (0.7, "nominal")]
+    assert [(row.status, row.solves) for row in rows] == [("failed", 3), ("failed", 1)]
 
 
 def test_fixed_gait_gives_one_row_a_task(small: Scenario) -> None:
