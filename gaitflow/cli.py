@@ -242,7 +242,7 @@ def plan(artifact: Path, speed: float, cycle: float, as_json: bool) -> None:
             answer = GaitMap.load(artifact).plan(speed, cycle)
         except OutOfDomain as error:
             if as_json:
-                print_json({"gait": None, "pattern": None, "in_domain": False, "feasible": False, "path": "refused"})
+                print_json(stages.refused_data())
             fail(str(error))
         except ArtifactError as error:
             raise ConfigError(str(error)) from None

@@ -25,6 +25,11 @@ if TYPE_CHECKING:
 
 KEPT_GAITS = 3  # cheapest gaits of a task that keep their trajectory in a published dataset
 
+PLAN_KEYS = (
+    "gait", "pattern", "probability", "in_domain", "durations", "cost", "feasible", "violation", "path", "iterations",
+    "time_ms",
+)  # fmt: skip
+
 
 class StageMissing(RuntimeError):
     """An earlier stage has not run; the message says which command to give."""
@@ -225,10 +230,14 @@ def plan_data(plan: Plan) -> dict[str, Any]:
     """A plan as plain data, without its trajectory."""
     import math
 
-    keys = ("gait", "pattern", "probability", "in_domain", "cost", "feasible", "violation", "path", "time_ms")
-    data = {key: getattr(plan, key) for key in keys}
+    data = {key: getattr(plan, key) for key in PLAN_KEYS}
     data = {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in data.items()}
-    return data | {"durations": plan.durations.tolist(), "iterations": plan.iterations}
+    return data | {"durations": plan.durations.tolist()}
+
+
+def refused_data() -> dict[str, Any]:
+    """What stands in the place of a plan for a task outside the map's domain."""
+    return dict.fromkeys(PLAN_KEYS) | {"in_domain": False, "feasible": False, "path": "refused"}
 
 
 def summary(scenario: Scenario) -> dict[str, Any]:

@@ -66,8 +66,7 @@ def test_the_stages_publish_a_map_that_answers_and_verifies(solved: Path) -> Non
     done = call(solved, "plan", str(model.parent), "--speed", "1.1", "--cycle", "0.6", "--json")
     plan = json.loads(done.stdout)
     assert done.exit_code == 0
-    assert {"gait", "pattern", "probability", "in_domain", "durations", "cost", "feasible", "violation", "path",
-            "time_ms"} <= set(plan)  # fmt: skip
+    assert set(plan) == set(stages.PLAN_KEYS)
     assert plan["feasible"] and plan["violation"] <= 1e-6
     assert sum(plan["durations"]) == pytest.approx(0.6)
 
@@ -121,8 +120,11 @@ def test_a_damaged_dataset_is_found(solved: Path, tmp_path: Path) -> None:
 def test_out_of_domain_fails_and_nan_is_bad_input(solved: Path) -> None:
     model = str(solved / "models/small")
     far = call(solved, "plan", model, "--speed", "9", "--cycle", "0.6", "--json")
-    assert far.exit_code == 1 and json.loads(far.stdout)["in_domain"] is False
-    assert "speed = 9 is outside" in far.stderr
+    assert far.exit_code == 1
+    refused = json.loads(far.stdout)
+    assert refused["in_domain"] is False and refused["feasible"] is False and refused["gait"] is None
+    assert set(refused) == set(stages.PLAN_KEYS)
+    assert "speed = 9 m/s is outside" in far.stderr
     nan = call(solved, "plan", model, "--speed", "nan", "--cycle", "0.6")
     assert nan.exit_code == 2 and "speed = nan" in nan.stderr
 

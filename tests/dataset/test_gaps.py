@@ -26,7 +26,7 @@ def falling(step: float) -> Solution:
     base[1:, 1] = np.cumsum(step * base[:-1, 4])
     feet, forces = np.zeros((3, 1, 2)), np.zeros((2, 1, 2))
     motion = Trajectory(times, base, feet, forces, np.zeros((2, 1, 2)), np.array([step, step]))
-    return Solution(0.0, 2 * step, "grid", "00", "0", "fixed_gait", "nominal", 0, "solved", "", 0.0, 0.0, 1, 1, 0.0, 0.0,
+    return Solution(0.0, 2 * step, "grid", "00", "0", "", "", 0, "solved", "", 0.0, 0.0, 1, 1, 0.0, 0.0,
                     trajectory=motion)  # fmt: skip
 
 
