@@ -7,9 +7,10 @@ taken at its worst: every task alone, without the neighbour from which a chain o
 from __future__ import annotations
 
 import statistics
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -31,7 +32,8 @@ NOTES = (
     "patterns found no motion where Bonmin did (missed_by_patterns).",
     "cpu_ratio = CPU time of all Bonmin restarts of a task over that of patterns. Of Bonmin it counts the solver calls "
     "alone, of patterns everything: transcription, building solvers, screening and solving. cpu_ratio_solver counts "
-    "the solver calls of both; cpu_ratio_per_restart is cpu_ratio for a single restart.",
+    "the solver calls of both; cpu_ratio_per_restart is cpu_ratio for a single restart. cpu_ratio_in_map is against "
+    "what the same task took patterns in the map's run, where it starts from its neighbour; null without that run.",
     "A restart fails when Bonmin throws, crashes, ends without a pattern or with one whose motion our check finds "
     "infeasible after a polish in bounds form. Failed restarts count with their time.",
     f"Bonmin may take {BONMIN_LIMIT_S:g} s a restart. A restart agrees when it is within {SAME_COST:g} of the best.",
@@ -40,10 +42,18 @@ NOTES = (
 Solve = Callable[[Row], dict[str, Any]]
 
 
-def run(scenario: Scenario, tasks: int = 3, restarts: int = 15, seed: int = 0, runs: Path = Path("runs")) -> Row:
+def run(
+    scenario: Scenario,
+    tasks: int = 3,
+    restarts: int = 15,
+    seed: int = 0,
+    runs: Path = Path("runs"),
+    map_cpu_s: Mapping[tuple[float, float], float] = MappingProxyType({}),
+) -> Row:
     """The document: a row a task, with all of its restarts; rows measured before, kept below `runs`, are reused.
 
-    Raises ValueError when the grid has fewer tasks, or for less than 1 task or restart.
+    `map_cpu_s` says what grid tasks (v, T) took in a run of the whole map [s of solver calls]. Raises ValueError when
+    the grid has fewer tasks, or for less than 1 task or restart.
     """
     chosen = spread_tasks(scenario, tasks, seed)
     if restarts < 1:
@@ -59,6 +69,10 @@ def run(scenario: Scenario, tasks: int = 3, restarts: int = 15, seed: int = 0, r
         }
         measured = store.rows(search_keys(chosen, restarts, seed), lambda key: solve[key["method"]](key))
     rows = [compare(*found) for found in by_task(measured, chosen)]
+    for row in rows:
+        in_map = map_cpu_s.get((row["speed"], row["cycle_duration"]))
+        row["patterns"]["cpu_s_in_map"] = in_map
+        row["cpu_ratio_in_map"] = row["bonmin"]["cpu_s"] / in_map if in_map else None
     return document("discovery", scenario.name, rows, summarise(rows, restarts), NOTES)
 
 
@@ -132,6 +146,7 @@ def summarise(rows: Sequence[Row], restarts: int) -> Row:
     worse = [row["cost_worse_rel"] for row in rows if row["cost_worse_rel"] is not None]
     ratios = [row["cpu_ratio"] for row in rows]
     solver = [row["cpu_ratio_solver"] for row in rows if row["cpu_ratio_solver"] is not None]
+    in_map = [row["cpu_ratio_in_map"] for row in rows if row.get("cpu_ratio_in_map") is not None]
     missed = [_only(row, "bonmin", "patterns") for row in rows]
     return {
         "tasks": len(rows),
@@ -143,6 +158,7 @@ def summarise(rows: Sequence[Row], restarts: int) -> Row:
         "cpu_ratio_max": max(ratios),
         "cpu_ratio_solver_median": statistics.median(solver) if solver else None,
         "cpu_ratio_per_restart_median": statistics.median(ratios) / restarts,
+        "cpu_ratio_in_map_median": statistics.median(in_map) if in_map else None,
         "patterns_cpu_s_median": statistics.median(row["patterns"]["whole_cpu_s"] for row in rows),
         "bonmin_cpu_s_per_restart_median": statistics.median(row["bonmin"]["cpu_s_per_restart"] for row in rows),
         "bonmin_restarts_failed": sum(row["bonmin"]["failed"] for row in rows),

@@ -24,7 +24,9 @@ def measure(name: str, workspace: Workspace, scenario: Scenario, tasks: int | No
     runs = workspace.root / "runs"
     own = {} if tasks is None else {"tasks": tasks}
     benches: dict[str, Callable[[], dict[str, Any]]] = {
-        "discovery": partial(discovery.run, scenario, seed=seed, runs=runs, **own),
+        "discovery": lambda: discovery.run(
+            scenario, seed=seed, runs=runs, map_cpu_s=_map_cpu(workspace, scenario), **own
+        ),
         "faults": partial(faults.faults, scenario, tasks or 12, 20, seed),
         "map": partial(_map, workspace, scenario),
         "select": lambda: select.run(resolve(workspace.models / scenario.name), seed=seed),
@@ -38,6 +40,17 @@ def _map(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
     run = workspace.run(scenario)
     journal = read_journal(run.folder / "journal")
     return map.run(scenario, load_solutions(run.solutions), pd.read_parquet(run.labels), journal)
+
+
+def _map_cpu(workspace: Workspace, scenario: Scenario) -> dict[tuple[float, float], float]:
+    """CPU seconds of solver calls that each grid task took in the scenario's run; empty when it was not run."""
+    run = workspace.run(scenario)
+    if not run.solutions.exists():
+        return {}
+    frame = load_solutions(run.solutions).frame()
+    spent = frame[frame["split"] == "grid"].groupby(["speed", "cycle_duration"], as_index=False)["cpu_s"].sum()
+    tasks = zip(spent["speed"].tolist(), spent["cycle_duration"].tolist(), strict=True)
+    return dict(zip(tasks, spent["cpu_s"].tolist(), strict=True))
 
 
 def _stances(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
