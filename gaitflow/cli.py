@@ -146,7 +146,8 @@ def label(workspace: Workspace, scenario: str) -> None:
     counts = labels.loc[labels["status"] == "solved", "gait"].value_counts()
     for gait, count in counts.items():
         click.echo(f"{count:5d}  {gait}")
-    click.echo(f"{int((labels['status'] != 'solved').sum()):5d}  infeasible")
+    for status in ("infeasible", "failed"):
+        click.echo(f"{int((labels['status'] == status).sum()):5d}  {status}")
 
 
 @main.command()
@@ -163,7 +164,7 @@ def labels(dataset: Path, as_json: bool) -> None:
     if as_json:
         return print_json(rows)
     for row in rows:
-        cost = "infeasible" if row["cost"] is None else f"{row['gait']} {row['pattern']} cost {row['cost']:.6g}"
+        cost = row["status"] if row["cost"] is None else f"{row['gait']} {row['pattern']} cost {row['cost']:.6g}"
         click.echo(f"{row['speed']:6.3f} m/s {row['cycle_duration']:6.3f} s  {cost}")
 
 

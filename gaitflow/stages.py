@@ -63,7 +63,7 @@ def label(workspace: Workspace, scenario: Scenario) -> pd.DataFrame:
     """Label every task with its cheapest gait; writes the labels and the gaits' costs."""
     from gaitflow.dataset import load_solutions
     from gaitflow.dataset.gaps import GAP, gaps_between_knots
-    from gaitflow.dataset.labels import gait_costs, label_tasks
+    from gaitflow.dataset.labels import gait_costs, label_tasks, mark_failed
     from gaitflow.dataset.tasks import tasks_of
 
     run = workspace.run(scenario)
@@ -71,6 +71,7 @@ def label(workspace: Workspace, scenario: Scenario) -> pd.DataFrame:
     solutions = load_solutions(run.solutions)
     costs = gait_costs(solutions.frame(), scenario.robot.leg_names)
     labels = label_tasks(costs, tasks_of(scenario), scenario.learning.tie_tolerance)
+    labels = mark_failed(labels, solutions.frame())
     labels[GAP] = gaps_between_knots(labels, solutions)
     _write_frame(run.gait_costs, costs)
     _write_frame(run.labels, labels)

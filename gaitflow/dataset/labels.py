@@ -45,13 +45,25 @@ def label_tasks(costs: pd.DataFrame, tasks: Iterable[Task], tie_tolerance: float
     gaits within `tie_tolerance` of the cheapest, that one first. `label`, what is learnt, is one of `ties`: on the
     grid the one most common among the (up to 8) neighbours, iterated until nothing changes; for a held-out task the
     one most common at the corners of the grid cell it lies in. Held-out tasks influence no other label. A task with
-    no feasible gait has the status "infeasible", empty names and NaN for its numbers.
+    no known feasible gait has the status "infeasible", empty names and NaN for its numbers.
     """
     known = {key: group for key, group in costs.groupby(TASK, sort=False)}
     rows = [_row(task, known.get((task.speed, task.cycle_duration, task.split)), tie_tolerance) for task in tasks]
     labels = pd.DataFrame(rows, columns=LABELS)
     labels["label"] = _neighbourhood_labels(labels)
     return labels
+
+
+def mark_failed(labels: pd.DataFrame, solutions: pd.DataFrame) -> pd.DataFrame:
+    """The labels with the status "failed" instead of "infeasible" where every solve of the task failed.
+
+    A solver that crashed, threw or ran into its limits says nothing about feasibility. `solutions` as in `gait_costs`.
+    """
+    tried = solutions.groupby(TASK)["status"].agg(lambda statuses: bool((statuses == "failed").all()))
+    nothing_known = set(tried.index[tried])
+    keys = zip(*(labels[column] for column in TASK), strict=True)
+    status = ["failed" if key in nothing_known else old for key, old in zip(keys, labels["status"], strict=True)]
+    return labels.assign(status=status)
 
 
 def _row(task: Task, group: pd.DataFrame | None, tolerance: float) -> dict[str, object]:

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gaitflow.dataset.labels import COSTS, LABELS, TASK, gait_costs, label_tasks
+from gaitflow.dataset.labels import COSTS, LABELS, TASK, gait_costs, label_tasks, mark_failed
 from gaitflow.dataset.tasks import Task
 from gaitflow.gaits import Pattern, gait_of
 
@@ -162,3 +162,16 @@ def test_held_out_tasks_follow_the_grid_and_never_lead_it() -> None:
     together = labels_of(table | held)
     pd.testing.assert_frame_equal(together.iloc[: len(alone)], alone)
     assert together["label"].iloc[len(alone) :].tolist() == ["walking", "gallop", "gallop", "walking"]
+
+
+def test_a_task_whose_every_solve_failed_is_not_called_infeasible() -> None:
+    tasks = [(0.1, 0.4), (0.3, 0.4), (0.5, 0.4)]
+    labels = pd.DataFrame(
+        {"speed": [v for v, _ in tasks], "cycle_duration": [t for _, t in tasks], "split": "grid",
+         "status": ["infeasible", "infeasible", "solved"]}
+    )  # fmt: skip
+    solves = pd.DataFrame(
+        [(0.1, "failed"), (0.1, "failed"), (0.3, "failed"), (0.3, "infeasible"), (0.5, "failed"), (0.5, "solved")],
+        columns=["speed", "status"],
+    ).assign(cycle_duration=0.4, split="grid")
+    assert mark_failed(labels, solves)["status"].tolist() == ["failed", "infeasible", "solved"]
