@@ -25,6 +25,7 @@ from gaitflow.solve.solution import Solution
 from gaitflow.task import Task
 
 NO_PATTERN = "none"
+NODE_ITERATIONS = 150  # of IPOPT in one node; a node that needs more is as good as infeasible
 
 
 def solve_restarts(scenario: Scenario, tasks: Sequence[Task], seeds: Sequence[int]) -> list[Solution]:
@@ -43,6 +44,9 @@ def make_bonmin(problem: GaitProblem, time_limit: float) -> ca.Function:
         "discrete": [False] * problem.layout.nw + [True] * contacts,
         "bonmin": {
             "algorithm": "B-BB",
+            # By default one node whose program fails ends the whole run with an exception.
+            "nlp_failure_behavior": "fathom",
+            "max_iter": NODE_ITERATIONS,
             "time_limit": time_limit,
             "bb_log_level": 0,
             "nlp_log_level": 0,
