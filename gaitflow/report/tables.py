@@ -14,7 +14,7 @@ from gaitflow.gaits import Pattern, diagram
 from gaitflow.report.palette import ordered_gaits
 from gaitflow.solve.solution import Solution
 
-RESIDUAL = "gap_between_knots"  # optional column of the labels: how far a step is from the continuous motion
+GAP = "gap_between_knots"  # optional column of the labels: how far a step is from the continuous motion
 QUALITIES = (
     ("accuracy", "accuracy"),
     ("macro_f1", "macro F1"),
@@ -49,12 +49,12 @@ def percent(value: float | None) -> str:
 
 
 def gait_table(labels: pd.DataFrame, leg_names: Sequence[str]) -> Table:
-    """A row a gait: its diagram, tasks won, range of costs, mean margin to the runner-up; residuals when given.
+    """A row a gait: its diagram, tasks won, range of costs, mean margin to the runner-up; gaps when given.
 
     The mean is over tasks that have a runner-up, held-out tasks included.
     """
     solved = labels[labels["status"] == "solved"]
-    with_residual = RESIDUAL in labels.columns
+    with_gap = GAP in labels.columns
     columns = ["gait", "pattern", "grid tasks", "held-out tasks", "cost", "mean margin", "ties"]
     rows = []
     for name in ordered_gaits(solved["gait"]):
@@ -69,8 +69,8 @@ def gait_table(labels: pd.DataFrame, leg_names: Sequence[str]) -> Table:
             percent(float(margins.mean())),
             str(int((won["ties"].map(len) > 1).sum())),
         ]
-        rows.append((*row, number(float(won[RESIDUAL].max()))) if with_residual else tuple(row))
-    return Table((*columns, "worst gap between knots [m or rad]") if with_residual else tuple(columns), tuple(rows))
+        rows.append((*row, number(float(won[GAP].max()))) if with_gap else tuple(row))
+    return Table((*columns, "worst gap between knots [m or rad]") if with_gap else tuple(columns), tuple(rows))
 
 
 def _range(low: float, high: float) -> str:

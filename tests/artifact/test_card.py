@@ -11,7 +11,7 @@ def test_card_tells_what_where_how_good_and_how_to_load(pristine: Path) -> None:
     text = (pristine / "README.md").read_text(encoding="utf-8")
     for part in (
         "# quickstart 1.0.0",
-        "half_cheetah, 2D rigid body of 14 kg, legs F, H",
+        "planar, 2D rigid body of 14 kg, legs F, H",
         "slope 0 degrees, friction coefficient 0.8",
         "weights: force 1",
         "0.1 to 2.1 (6 values) m/s",

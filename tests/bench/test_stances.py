@@ -76,7 +76,8 @@ def pair(checkout: Path) -> tuple[Scenario, Scenario]:
 
 def test_the_two_scenarios_differ_in_that_setting_alone(pair: tuple[Scenario, Scenario]) -> None:
     one, free = (scenario.as_data() for scenario in pair)
-    assert {key for key in one if one[key] != free[key]} == {"name", "description", "stances_per_leg"}
+    assert {key for key in one if one[key] != free[key]} == {"name", "description", "stances_per_leg", "tasks"}
+    assert {key for key in one["tasks"] if one["tasks"][key] != free["tasks"][key]} == {"held_out"}
     assert (one["stances_per_leg"], free["stances_per_leg"]) == (1, None)
 
 

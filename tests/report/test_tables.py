@@ -46,10 +46,10 @@ def test_an_infinite_margin_is_no_part_of_the_mean(labels) -> None:
     assert as_dict(gait_table(one, ("F", "H")))["bounding"]["mean margin"] == "–"
 
 
-def test_residuals_between_knots_are_shown_when_given(labels) -> None:
+def test_gaps_between_knots_are_shown_when_given(labels) -> None:
     assert "worst gap between knots [m or rad]" not in gait_table(labels, ("F", "H")).columns
-    residual = np.where(labels["gait"] == "gallop", 0.02, 0.001)
-    rows = as_dict(gait_table(labels.assign(residual=residual), ("F", "H")))
+    gap = np.where(labels["gait"] == "gallop", 0.02, 0.001)
+    rows = as_dict(gait_table(labels.assign(gap_between_knots=gap), ("F", "H")))
     assert rows["gallop"]["worst gap between knots [m or rad]"] == "0.02"
     assert rows["walking"]["worst gap between knots [m or rad]"] == "0.001"
 
