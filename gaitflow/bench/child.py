@@ -12,7 +12,6 @@ import json
 import os
 import resource
 import select
-import signal
 import subprocess
 import sys
 import tempfile
@@ -23,6 +22,7 @@ from contextlib import suppress
 from types import TracebackType
 from typing import IO, Any, Self, TextIO
 
+from gaitflow.execute.reap import reap
 from gaitflow.execute.solver import ONE_THREAD
 from gaitflow.execute.solver_process import die_with
 
@@ -123,18 +123,8 @@ class Child:
         process, self._process = self._process, None
         if process is None:
             return "ended"
-        with suppress(subprocess.TimeoutExpired):  # a dying process may take a moment to be reported
-            process.wait(0.2)
-        code = process.poll()
-        process.kill()
-        process.wait()
-        for stream in (process.stdin, process.stdout):
-            with suppress(OSError):
-                if stream is not None:
-                    stream.close()
-        if code is None:
-            return "stopped answering"
-        return f"crashed: {_signal_name(-code)}" if code < 0 else f"exited with code {code}: {self._last_error()}"
+        ending = reap(process)
+        return f"{ending}: {self._last_error()}" if ending.startswith("exited") else ending
 
     def _last_error(self) -> str:
         self._errors.seek(0)
@@ -177,13 +167,6 @@ def _ended_cpu() -> float:
     """CPU time [s] of all children that were reaped."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
-
-
-def _signal_name(number: int) -> str:
-    try:
-        return signal.Signals(number).name
-    except ValueError:
-        return f"signal {number}"
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import os
 import select
-import signal
 import subprocess
 import sys
 import tempfile
@@ -19,6 +18,7 @@ from typing import IO
 from gaitflow.dataset.attempts import MAX_ATTEMPTS, failed_solutions
 from gaitflow.dataset.store import UnitStore
 from gaitflow.dataset.units import Unit
+from gaitflow.execute.reap import reap
 from gaitflow.execute.receipt import Receipt
 from gaitflow.execute.solver_process import SOLVE
 from gaitflow.files import WriteError
@@ -120,18 +120,7 @@ class Solver:
         process, self._process = self._process, None
         if process is None:
             return "lost"
-        with suppress(subprocess.TimeoutExpired):  # a dying process may take a moment to be reported
-            process.wait(0.2)
-        code = process.poll()
-        process.kill()
-        process.wait()
-        for stream in (process.stdin, process.stdout):
-            with suppress(OSError):
-                if stream is not None:
-                    stream.close()
-        if code is None:
-            return "stopped answering"
-        return f"crashed: {_signal_name(-code)}" if code < 0 else f"exited with code {code}"
+        return reap(process)
 
     def _tail(self) -> str:
         self._errors.seek(0)
@@ -169,10 +158,3 @@ def _ask(process: subprocess.Popen[bytes], request: bytes, limit: float) -> byte
             raise _Lost("")
         answer += block
     return answer
-
-
-def _signal_name(number: int) -> str:
-    try:
-        return signal.Signals(number).name
-    except ValueError:
-        return f"signal {number}"
