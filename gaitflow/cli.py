@@ -19,6 +19,7 @@ except ImportError as error:
     sys.exit(f'gaitflow: the command line needs more than the runtime ({error}): pip install "gaitflow[all]"')
 
 BENCHES = ("discovery", "faults", "map", "select", "stances", "table1")
+PIPED_WIDTH = 160  # a table in a file need not fit a terminal
 DEFAULT_SCENARIO = "half-cheetah-flat-effort"
 scenario_argument = click.argument("scenario")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
@@ -352,7 +353,9 @@ def bench(workspace: Workspace, name: str, scenario: str, tasks: int | None, see
         path = write(done, workspace.results)
     if as_json:
         return print_json(done)
-    Console().print(summary_table(done))
+    console = Console()
+    console = console if console.is_terminal else Console(width=PIPED_WIDTH)
+    console.print(summary_table(done))
     click.echo(path)
 
 

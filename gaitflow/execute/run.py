@@ -10,6 +10,7 @@ import json
 import random
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
@@ -27,6 +28,7 @@ from gaitflow.execute.worker import SolverPlugin, solve_unit
 
 UNITS_PER_WORKER = 3  # submitted at a time: one in work, the next at hand
 LOOK_S = 0.3  # how often a wait looks up for a request to stop
+REGISTRATIONS = 20  # tries to set up the workers while some of them die
 MAX_ROUNDS = 4  # of solving parts again that turned out damaged
 
 
@@ -127,7 +129,7 @@ def _drain(
     window: int | None,
     solve: str,
 ) -> None:
-    client.register_plugin(SolverPlugin(solve))
+    _give_solvers(client, solve)
     folder = str(store.folder.resolve())
     queue = missing[::-1]
     flying: dict[Future[Receipt], Unit] = {}
@@ -146,6 +148,21 @@ def _drain(
                 raise RunFailed(receipt.error)
             else:
                 count.add(receipt)
+
+
+def _give_solvers(client: Client, solve: str) -> None:
+    """Have every worker, present and to come, drive a solver process.
+
+    A worker that dies just now breaks the call, though its successor will be given the plugin: then once more.
+    """
+    for _ in range(REGISTRATIONS):
+        try:
+            client.register_plugin(SolverPlugin(solve))
+            return
+        except OSError as error:  # CommClosedError is one
+            last = error
+            time.sleep(LOOK_S)
+    raise RunFailed(f"workers cannot be set up ({last}); the cluster seems to go down again and again") from last
 
 
 def _finished(flying: list[Future[Receipt]]) -> set[Future[Receipt]]:

@@ -13,13 +13,14 @@ from pathlib import Path
 
 import pytest
 from distributed import Client
+from distributed.comm import CommClosedError
 
 from gaitflow.dataset import load_solutions
 from gaitflow.dataset.collect import collect
 from gaitflow.dataset.store import UnitStore
 from gaitflow.dataset.units import Unit
 from gaitflow.execute.journal import read_journal
-from gaitflow.execute.run import RunFailed, RunState, run_units
+from gaitflow.execute.run import RunFailed, RunState, _give_solvers, run_units
 from gaitflow.execute.status import run_status
 from gaitflow.scenario import Scenario
 
@@ -178,3 +179,24 @@ def test_two_runs_at_once_on_one_store(
     first_stored = {unit.digest: min(e.time for e in entries if e.unit == unit.digest and e.kept) for unit in units}
     assert all(e.time < first_stored[e.unit] for e in entries if e.event == "start"), "a solved unit was solved again"
     assert "Traceback" not in "".join(outputs) and "Warning" not in "".join(outputs)
+
+
+class Dying:
+    """A client whose first `deaths` registrations meet a worker that just died."""
+
+    def __init__(self, deaths: int) -> None:
+        self.deaths, self.calls = deaths, 0
+
+    def register_plugin(self, plugin: object) -> None:
+        self.calls += 1
+        if self.calls <= self.deaths:
+            raise CommClosedError("Stream is closed")
+
+
+def test_a_worker_that_dies_while_the_workers_are_set_up_ends_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("gaitflow.execute.run.LOOK_S", 0.0)
+    client = Dying(deaths=2)
+    _give_solvers(client, "module:function")  # type: ignore[arg-type]
+    assert client.calls == 3
+    with pytest.raises(RunFailed, match="cannot be set up"):
+        _give_solvers(Dying(deaths=1000), "module:function")  # type: ignore[arg-type]
