@@ -41,7 +41,7 @@ def new_file(path: Path, *, replace: bool) -> Iterator[BinaryIO]:
             os.replace(temporary, path)
         else:
             _link_once(temporary, path)
-        _sync_folder(path.parent)
+        sync_folder(path.parent)
     except _Taken:
         raise FileExistsError(errno.EEXIST, "was written before; the first complete file stays", str(path)) from None
     except OSError as error:
@@ -89,8 +89,8 @@ def _link_once(temporary: Path, path: Path) -> None:
         raise _Taken from None
 
 
-def _sync_folder(folder: Path) -> None:
-    # A new name is durable only once its folder is.
+def sync_folder(folder: Path) -> None:
+    """Make the names in a folder durable: a new one is only once its folder is. Raises OSError."""
     descriptor = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(descriptor)

@@ -14,7 +14,7 @@ from gaitflow.artifact.card import card
 from gaitflow.artifact.parts import Parts, PublishError, content_of, manifest_of
 from gaitflow.artifact.verify import inspect
 from gaitflow.artifact.versions import newest, next_version
-from gaitflow.files import WriteError, atomic_write
+from gaitflow.files import WriteError, atomic_write, sync_folder
 from gaitflow.runtime.errors import ArtifactError
 from gaitflow.runtime.files import CARD, MANIFEST
 from gaitflow.runtime.manifest import Manifest, encode, parse_manifest, read_manifest
@@ -102,11 +102,7 @@ def _rename(scratch: Path, target: Path) -> None:
     """Give the finished folder its name; of several writers one wins, and the name is durable."""
     try:
         os.rename(scratch, target)
-        descriptor = os.open(target.parent, os.O_RDONLY)
-        try:
-            os.fsync(descriptor)
-        finally:
-            os.close(descriptor)
+        sync_folder(target.parent)
     except OSError as error:
         if error.errno in (errno.ENOTEMPTY, errno.EEXIST):
             _refuse_taken(target)

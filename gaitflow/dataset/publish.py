@@ -15,7 +15,7 @@ from typing import Any
 import pandas as pd
 
 from gaitflow.dataset.read import FILE_NAME, load_solutions
-from gaitflow.files import atomic_write, sha256_file
+from gaitflow.files import atomic_write, sha256_file, sync_folder
 
 MANIFEST = "manifest.json"
 LABELS = "labels.parquet"
@@ -55,10 +55,8 @@ def publish_dataset(target: Path, collected: Path, labels: Path, gait_costs: Pat
         return str(read_manifest(target)["files"][FILE_NAME]["sha256"])
     scratch = target.parent / f".{target.name}.{os.getpid()}-{secrets.token_hex(4)}"
     try:
-        scratch.mkdir(parents=True)
-        shutil.copyfile(collected, scratch / FILE_NAME)
-        shutil.copyfile(labels, scratch / LABELS)
-        shutil.copyfile(gait_costs, scratch / GAIT_COSTS)
+        for name, source in ((FILE_NAME, collected), (LABELS, labels), (GAIT_COSTS, gait_costs)):
+            atomic_write(scratch / name, source.read_bytes())
         atomic_write(scratch / CARD, _card(target.name, record, pd.read_parquet(labels)).encode())
         names = (FILE_NAME, LABELS, GAIT_COSTS, CARD)
         files = {n: {"sha256": sha256_file(scratch / n), "bytes": (scratch / n).stat().st_size} for n in names}
@@ -72,6 +70,7 @@ def publish_dataset(target: Path, collected: Path, labels: Path, gait_costs: Pat
         }
         atomic_write(scratch / MANIFEST, (json.dumps(manifest, indent=1, sort_keys=True) + "\n").encode())
         os.rename(scratch, target)
+        sync_folder(target.parent)
     finally:
         shutil.rmtree(scratch, ignore_errors=True)
     return str(files[FILE_NAME]["sha256"])
