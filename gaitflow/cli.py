@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 try:
     import click
 
     from gaitflow import stages
+    from gaitflow.cli_errors import bad_input, fail, print_json
     from gaitflow.config import ConfigError
     from gaitflow.workspace import Workspace
 except ImportError as error:
@@ -367,29 +365,6 @@ def quality(data: dict[str, Any]) -> str:
     return (
         f"accuracy {data['accuracy']:.3f} F1 {data['macro_f1']:.3f} {regret} infeasible {data['infeasible_rate']:.3f}"
     )
-
-
-def print_json(data: Any) -> None:
-    """One JSON document on standard output."""
-    click.echo(json.dumps(data, indent=1, allow_nan=False))
-
-
-def fail(message: str) -> NoReturn:
-    """Say why on standard error and leave with exit code 1."""
-    click.echo(f"gaitflow: {message}", err=True)
-    sys.exit(1)
-
-
-@contextmanager
-def bad_input() -> Iterator[None]:
-    """One clear line and exit code 2 for what the user gave us, 1 for a stage that is missing or a full disk."""
-    try:
-        yield
-    except (stages.StageMissing, OSError) as error:
-        fail(str(error))
-    except (ConfigError, ValueError) as error:
-        click.echo(f"gaitflow: {error}", err=True)
-        sys.exit(2)
 
 
 if __name__ == "__main__":
