@@ -1,4 +1,4 @@
-"""Gait patterns: which leg stands in which phase, when two patterns are one gait, and what gaits are called.
+"""Gait patterns: which leg stands in which phase, and when two patterns are one gait.
 
 A pattern is Lambda of section III.A, one row of binaries a leg and one column a phase (1 = stance). Neither where the
 cycle is cut, nor a phase split in two, nor left and right swapped makes another gait, so the canonical gait merges
@@ -137,32 +137,6 @@ def can_move(pattern: Pattern) -> bool:
     A leg that never swings cannot advance (7d), and a body that no leg ever carries falls.
     """
     return all("0" in row for row in pattern.rows) and any("1" in row for row in pattern.rows)
-
-
-# Fig. 5, as printed.
-_FIGURE_5 = {
-    "walking": "0111/1101",
-    "gallop": "0110/1100",
-    "bounding": "0001/0100",
-    "pronking": "0110/0100",
-    "gallop-walk": "011/110",
-    "gallop-pronk": "010/110",
-    "gallop-bound": "010/100",
-}
-_FIGURE_5_LEGS = ("F", "H")
-_NAMES = {gait_of(Pattern.from_text(text)): name for name, text in _FIGURE_5.items()}
-
-
-def gait_name(gait: Pattern, leg_names: Sequence[str]) -> str:
-    """What a gait is called: by Fig. 5 for the legs F and H, by its diagram otherwise; one name to one gait.
-
-    A pattern that is not canonical is called what its gait is called. Raises ValueError as `diagram` does.
-    """
-    drawn = diagram(gait_of(gait), leg_names)
-    if sorted(leg_names) != sorted(_FIGURE_5_LEGS):
-        return drawn
-    front_first = gait.mirrored([list(leg_names).index(leg) for leg in _FIGURE_5_LEGS])
-    return _NAMES.get(gait_of(front_first), drawn)
 
 
 def diagram(pattern: Pattern, leg_names: Sequence[str]) -> str:

@@ -1,4 +1,4 @@
-"""Symmetry, counts and names of gait patterns."""
+"""Symmetry and counts of gait patterns."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gaitflow.gaits import Pattern, all_patterns, can_move, diagram, gait_name, gait_of, representative
+from gaitflow.gaits import Pattern, all_patterns, can_move, diagram, gait_of, representative
 
 QUADRUPED = ("LF", "RF", "LH", "RH")
 MIRROR = (1, 0, 3, 2)
@@ -198,33 +198,6 @@ def test_patterns_that_cannot_move(text: str) -> None:
 def test_every_pattern_of_the_figure_can_move() -> None:
     assert all(can_move(Pattern(rows)) for rows in FIGURE_5.values())
     assert can_move(Pattern.from_text("0000/0110")), "one leg may hop alone"
-
-
-@pytest.mark.parametrize(("name", "rows"), FIGURE_5.items())
-def test_names_of_the_figure(name: str, rows: tuple[str, str]) -> None:
-    pattern = Pattern(rows)
-    assert gait_name(pattern, ("F", "H")) == name
-    for same in (pattern.rotated(1), split(pattern, 0), gait_of(pattern)):
-        assert gait_name(same, ("F", "H")) == name
-    assert gait_name(Pattern(rows[::-1]), ("H", "F")) == name, "the legs' order does not matter"
-
-
-def test_running_the_figure_backwards_or_swapping_its_legs_is_another_gait() -> None:
-    assert gait_name(Pattern.from_text("1100/0110"), ("F", "H")) == "F 0011 / H 1001"
-    assert gait_name(Pattern.from_text("110/010"), ("F", "H")) == "F 011 / H 001"
-    assert gait_name(Pattern.from_text("0110/0110"), ("F", "H")) == "F 01 / H 01"
-
-
-@pytest.mark.parametrize("leg_names", [("F", "H"), ("H", "F"), ("A", "B")])
-def test_names_are_one_to_one(leg_names: tuple[str, str]) -> None:
-    gaits = {gait_of(pattern) for phases in range(1, 7) for pattern in all_patterns(2, phases)}
-    assert len({gait_name(gait, leg_names) for gait in gaits}) == len(gaits) > 200
-
-
-def test_other_legs_have_diagrams() -> None:
-    trot = Pattern.from_text("01/10/10/01")
-    assert gait_name(trot, QUADRUPED) == "LF 01 / RF 10 / LH 10 / RH 01"
-    assert gait_name(Pattern.from_text("0111/1101"), ("L", "R")) == "L 0111 / R 1101"
 
 
 def test_diagram() -> None:

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 
 from gaitflow.config import ConfigError
-from gaitflow.gaits import Pattern, gait_name, gait_of
+from gaitflow.gait_names import gait_name
+from gaitflow.gaits import Pattern, gait_of
 from gaitflow.problem.layout import layout_of
 from gaitflow.runtime import GaitMap
 from gaitflow.runtime.classifier import Classifier

@@ -9,7 +9,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from gaitflow.bench.child import Child, Lost
-from gaitflow.gaits import Pattern, gait_name, representative
+from gaitflow.gait_names import gait_name
+from gaitflow.gaits import Pattern, representative
 from gaitflow.scenario import Scenario
 from gaitflow.solve import Solution, solve_tasks
 from gaitflow.task import Task

@@ -13,7 +13,8 @@ import numpy as np
 import pandas as pd
 
 from gaitflow.dataset.tasks import Task
-from gaitflow.gaits import Pattern, gait_name
+from gaitflow.gait_names import gait_name
+from gaitflow.gaits import Pattern
 
 MAX_VIOLATION = 1e-6  # worst scaled constraint violation of a solve that counts
 TASK = ["speed", "cycle_duration", "split"]

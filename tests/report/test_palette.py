@@ -2,7 +2,8 @@ from __future__ import annotations
 
 from matplotlib.colors import to_rgb
 
-from gaitflow.gaits import Pattern, gait_name
+from gaitflow.gait_names import gait_name
+from gaitflow.gaits import Pattern
 from gaitflow.report.palette import NAMED_COLOURS, OTHER_COLOURS, gait_colours, lighter, ordered_gaits
 
 FIG5 = ("0111/1101", "0110/1100", "0001/0100", "0110/0100", "011/110", "010/110", "010/100")
