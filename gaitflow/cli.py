@@ -16,7 +16,7 @@ try:
 except ImportError as error:
     sys.exit(f'gaitflow: the command line needs more than the runtime ({error}): pip install "gaitflow[all]"')
 
-BENCHES = ("discovery", "faults", "map", "select", "stances", "table1")
+BENCHES = ("discovery", "faults", "map", "minlp", "select", "stances", "table1")
 PIPED_WIDTH = 160  # a table in a file need not fit a terminal
 DEFAULT_SCENARIO = "half-cheetah-flat-effort"
 scenario_argument = click.argument("scenario")
@@ -335,6 +335,7 @@ def bench(workspace: Workspace, name: str, scenario: str, tasks: int | None, see
     \b
     discovery  pattern search against Bonmin's restarts: cost and CPU time
     table1     the paper's Table I: MINLP, random starts, warm starts
+    minlp      Bonmin for an hour on one task, its incumbents and gap, beside our search
     map        what making a map took, every label checked again (after `gaitflow run`)
     select     loading a map and asking it
     stances    what one stance per leg costs (needs the runs of SCENARIO and SCENARIO-free)

@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from gaitflow.bench import discovery, faults, map, select, stances, table1
+from gaitflow.bench import discovery, faults, map, minlp, select, stances, table1
 from gaitflow.dataset import load_solutions
 from gaitflow.execute.journal import read_journal
 from gaitflow.runtime.versions import resolve
@@ -29,6 +29,7 @@ def measure(name: str, workspace: Workspace, scenario: Scenario, tasks: int | No
         ),
         "faults": partial(faults.faults, scenario, tasks or 12, 20, seed),
         "map": partial(_map, workspace, scenario),
+        "minlp": lambda: minlp.run(scenario, seed=seed, runs=runs, **own),
         "select": lambda: select.run(resolve(workspace.models / scenario.name), seed=seed),
         "stances": partial(_stances, workspace, scenario),
         "table1": lambda: table1.run(scenario, resolve(workspace.models / scenario.name), seed=seed, runs=runs, **own),

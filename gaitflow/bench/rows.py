@@ -29,6 +29,8 @@ class RowStore:
     """Measured rows of one bench on one scenario, in `<runs>/bench/<bench>-<scenario>-<digest>/<row digest>.json`.
 
     `measuring` are the modules whose code decides what a row holds, `about` whatever else does (plain JSON data).
+    `solving` says which settings and code of the search do, by default all of them: a row that takes hours and depends
+    on less should not be measured anew for the rest.
     """
 
     def __init__(
@@ -38,13 +40,13 @@ class RowStore:
         runs: Path,
         measuring: Sequence[ModuleType],
         about: Mapping[str, Any] | None = None,
+        solving: Mapping[str, Any] | None = None,
     ) -> None:
         strategy = scenario.strategy.model_dump(mode="json", exclude={"tasks_per_unit"})
         self._base = plain(
             {
                 "problem": scenario.problem_digest,
-                "strategy": strategy,
-                "solver": solver_version(),
+                **(solving or {"strategy": strategy, "solver": solver_version()}),
                 "measuring": source_digest({module.__name__: _source(module) for module in measuring}),
                 "machine": machine(),
                 "about": about or {},

@@ -16,7 +16,8 @@ from gaitflow.solve import Solution, solve_tasks
 from gaitflow.task import Task
 
 LOST = "lost"  # status of a search whose process crashed or hung
-BONMIN_LIMIT_S = 300.0  # of one Bonmin run: several times what it usually takes
+BONMIN_LIMIT_S = 300.0  # of one Bonmin run in the plane: several times what it usually takes
+OURS = ("guided", "patterns")  # strategies that are not the paper's
 
 
 class Search:
@@ -33,15 +34,22 @@ class Search:
         return summarise(self._scenario, found) | {"whole_cpu_s": cpu, "whole_wall_s": wall}
 
 
-def bonmin(scenario: Scenario) -> Scenario:
-    """The scenario searched by Bonmin, with time for a whole branch and bound."""
-    changes = {"name": "bonmin", "pattern": None, "solve_time_limit": BONMIN_LIMIT_S}
-    return scenario.model_copy(update={"strategy": scenario.strategy.model_copy(update=changes)})
+def bonmin(scenario: Scenario, limit_s: float | None = None) -> Scenario:
+    """The scenario searched by Bonmin for `limit_s` of CPU time, by default BONMIN_LIMIT_S."""
+    return _searched(scenario, name="bonmin", pattern=None, solve_time_limit=limit_s or BONMIN_LIMIT_S)
 
 
 def patterns(scenario: Scenario) -> Scenario:
     """The scenario searched by trying its patterns, with its own restarts, seed and limit."""
-    changes = {"name": "patterns", "pattern": None}
+    return _searched(scenario, name="patterns", pattern=None)
+
+
+def ours(scenario: Scenario) -> Scenario:
+    """The scenario searched by its own strategy, or by `patterns` where that is the paper's or a single gait."""
+    return scenario if scenario.strategy.name in OURS else patterns(scenario)
+
+
+def _searched(scenario: Scenario, **changes: Any) -> Scenario:
     return scenario.model_copy(update={"strategy": scenario.strategy.model_copy(update=changes)})
 
 

@@ -149,7 +149,7 @@ def judge(measured: Sequence[Row], scenario: Scenario) -> list[Row]:
         if row["pattern"] is not None:
             own = reference["costs"].get(representative(Pattern.from_text(row["pattern"]), mirror).text)
         best, cost = reference["cost"], row["cost"]
-        at_best, at_own = _reaches(cost, best), _reaches(cost, own)
+        at_best, at_own = reaches(cost, best), reaches(cost, own)
         shown = {key: value for key, value in row.items() if key not in ("costs", "counts", "whole_wall_s")}
         rows.append(
             shown
@@ -189,5 +189,6 @@ def _summary(rows: Sequence[Mapping[str, Any]], method: str) -> Row:
     }
 
 
-def _reaches(cost: float | None, best: float | None) -> bool:
+def reaches(cost: float | None, best: float | None) -> bool:
+    """Whether a cost is known and at most SAME_OPTIMUM above a known best."""
     return cost is not None and best is not None and cost <= best * (1 + SAME_OPTIMUM)
