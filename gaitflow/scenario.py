@@ -111,10 +111,13 @@ class Tasks(Config):
 class Strategy(Config):
     """How the best gait of a task is searched: see `gaitflow.solve`."""
 
-    name: Literal["patterns", "bonmin", "fixed_gait"] = "patterns"
-    restarts: Count = 3  # random starts: per pattern that fails (patterns, fixed_gait), per task (bonmin)
+    name: Literal["patterns", "guided", "bonmin", "fixed_gait"] = "patterns"
+    restarts: Count = 3  # random starts: per task (bonmin), per pattern that fails (all others)
     seed: Annotated[int, Field(ge=0)] = 0
     pattern: str | None = None  # fixed_gait only: legs' rows joined by "/", such as "0110/1100"
+    budget: Count = 300  # guided only: patterns probed at a task
+    part: tuple[int, int] | None = None  # patterns only: [i, n] searches the i-th of n parts, from 0
+    incumbent: Annotated[float, Field(gt=0)] | None = None  # patterns only: leave out what is sure to cost more
     solve_time_limit: Annotated[float, Field(gt=0)] = 20.0  # CPU seconds of one solver call
     tasks_per_unit: Annotated[int, Field(ge=1, le=1000)] = 6  # neighbouring speeds solved as one unit of work
 
@@ -126,6 +129,17 @@ class Strategy(Config):
                 f"name = {self.name!r}, pattern = {pattern}: a pattern is needed by the strategy 'fixed_gait', "
                 "and allowed for no other"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _part_fits(self) -> Strategy:
+        if (self.part, self.incumbent) != (None, None) and self.name != "patterns":
+            raise ValueError(
+                f"name = {self.name!r}, part = {self.part}, incumbent = {self.incumbent}: only the strategy 'patterns' "
+                "is cut into parts or knows an incumbent; leave both out"
+            )
+        if self.part is not None and not 0 <= self.part[0] < self.part[1]:
+            raise ValueError(f"part = {list(self.part)}: write [i, n] with 0 <= i < n")
         return self
 
 
@@ -177,7 +191,9 @@ class Scenario(Config):
     def problem_digest(self) -> str:
         """Digest of what a single solve depends on: robot, terrain, objective, transcription, stances."""
         keys = ("robot", "terrain", "objective", "transcription", "stances_per_leg")
-        return digest_of({key: value for key, value in self.as_data().items() if key in keys})
+        data = {key: value for key, value in self.as_data().items() if key in keys}
+        data["robot"] = {key: value for key, value in data["robot"].items() if key != "source"}  # prose, not physics
+        return digest_of(data)
 
 
 def digest_of(data: Any) -> str:

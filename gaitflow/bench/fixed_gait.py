@@ -22,8 +22,8 @@ from gaitflow.runtime import Choice, GaitMap
 from gaitflow.runtime.versions import resolve
 from gaitflow.scenario import Scenario
 from gaitflow.solve import guess
+from gaitflow.solve.attempts import seed_of
 from gaitflow.solve.nlp import Attempt, FixedGaitSolver, Start
-from gaitflow.solve.patterns import seed_of
 
 METHODS = ("bigm_random", "bounds_random", "bounds_mean", "bounds_mean_dual")
 

@@ -117,6 +117,21 @@ def plan_units(scenario: Scenario) -> tuple[Unit, ...]:
     return tuple(Unit(problem, text, chain, None, solver) for chain in chains)
 
 
+def plan_exhaustive(scenario: Scenario, incumbents: Mapping[Task, float], parts: int) -> tuple[Unit, ...]:
+    """Units that together try every pattern of each task that is not sure to cost more than its incumbent.
+
+    `incumbents` gives the unscaled cost of a known motion a task, `parts` how many units a task is cut into.
+    """
+    problem, solver = _problem_data(scenario), _canonical(solver_version())
+    own = scenario.strategy.model_dump(mode="json", exclude={"tasks_per_unit"})
+    strategy = own | {"name": "patterns", "pattern": None}
+    return tuple(
+        Unit(problem, _canonical(strategy | {"part": [part, parts], "incumbent": cost}), (task,), None, solver)
+        for task, cost in incumbents.items()
+        for part in range(parts)
+    )
+
+
 @functools.cache
 def solver_version() -> dict[str, str]:
     """Digest of the code that solves, blind to comments, layout and docstrings, and CasADi's version.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import select
 import subprocess
@@ -132,8 +133,10 @@ def time_limit(unit: Unit) -> float:
     """Seconds after which a unit counts as hung: its solver calls at their limit, 60 s to start, an hour at most."""
     scenario = unit.scenario
     strategy, legs, phases = scenario.strategy, len(scenario.robot.legs), scenario.transcription.phases
+    _, parts = strategy.part or (0, 1)
     calls = {
-        "patterns": 2 ** (legs * phases) * (1 + strategy.restarts),
+        "patterns": math.ceil(2 ** (legs * phases) / parts) * (1 + strategy.restarts),
+        "guided": 2 * strategy.budget * (1 + strategy.restarts),
         "fixed_gait": 1 + strategy.restarts,
         "bonmin": len(unit.seeds or (0,)),
     }[strategy.name]

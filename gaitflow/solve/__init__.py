@@ -1,4 +1,4 @@
-"""Solving tasks: one narrow interface over the fixed gait, Bonmin's restarts and the search over patterns."""
+"""Solving tasks: one narrow interface over the fixed gait, Bonmin's restarts, exhaustive and guided search."""
 
 from __future__ import annotations
 
@@ -14,8 +14,9 @@ __all__ = ["Solution", "solve_tasks"]
 def solve_tasks(scenario: Scenario, tasks: Sequence[Task], seeds: Sequence[int] | None = None) -> list[Solution]:
     """Solve tasks by the scenario's strategy; a pure function of its arguments.
 
-    `patterns` and `fixed_gait` solve them as a chain of neighbours, a row per task and pattern; `bonmin` runs once per
-    task and seed, by default the seeds strategy.seed, seed + 1, ..., a row each.
+    `patterns` and `fixed_gait` solve them as a chain of neighbours, a row per task and pattern; so does `guided`, with
+    rows for the patterns that it met. `bonmin` runs once per task and seed, by default the seeds strategy.seed,
+    seed + 1, ..., a row each.
     """
     # Not before: reading a dataset imports this package and needs no CasADi.
     if scenario.strategy.name == "bonmin":
@@ -23,6 +24,10 @@ def solve_tasks(scenario: Scenario, tasks: Sequence[Task], seeds: Sequence[int] 
 
         first = scenario.strategy.seed
         return solve_restarts(scenario, tasks, seeds or range(first, first + scenario.strategy.restarts))
+    if scenario.strategy.name == "guided":
+        from gaitflow.solve.guided import solve_guided
+
+        return solve_guided(scenario, tasks)
     from gaitflow.solve.patterns import solve_chain
 
     return solve_chain(scenario, tasks)

@@ -19,8 +19,8 @@ from gaitflow.gaits import Pattern, representative
 from gaitflow.problem import GaitProblem, transcribe
 from gaitflow.scenario import Scenario
 from gaitflow.solve import guess
+from gaitflow.solve.attempts import best_of, seed_of, solution
 from gaitflow.solve.nlp import FixedGaitSolver, Start, call_solver, symbolic
-from gaitflow.solve.patterns import best_of, seed_of, solution
 from gaitflow.solve.solution import Solution
 from gaitflow.task import Task
 

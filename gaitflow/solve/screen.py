@@ -10,7 +10,7 @@ in each of its swings are unknown; what every feasible motion obeys is linear in
 - a foot moves no faster than its speed limit and advances v T a cycle (3c).
 
 A pattern whose linear program is empty cannot be walked. Gaits that never lift or never set down a foot are ruled out
-first.
+first. Among what is left, the longest support that the program allows bounds the cost: see `bound`.
 """
 
 from __future__ import annotations
@@ -26,17 +26,33 @@ from gaitflow.robots import Robot
 from gaitflow.scenario import Scenario
 from gaitflow.trajectory import Array
 
+NO_SUPPORT = "no leg ever stands"
+NO_SWING = "a leg never leaves the ground"
+NO_ROOM = "stance travel and swing speed do not fit into the cycle"
+
 
 def why_impossible(scenario: Scenario, pattern: Pattern, speed: float, cycle_duration: float) -> str | None:
     """Why no motion with this pattern can do the task v [m/s], T [s]; None when nothing here rules it out."""
+    reason = why_no_gait(pattern, speed)
+    if reason is None and longest_support(scenario, pattern, speed, cycle_duration) is None:
+        reason = NO_ROOM
+    return reason
+
+
+def why_no_gait(pattern: Pattern, speed: float) -> str | None:
+    """Why the contacts alone rule a motion at v [m/s] out; None when they do not."""
     if not any(any(pattern.column(phase)) for phase in range(pattern.phases)):
-        return "no leg ever stands"
-    if speed > 0 and not can_move(pattern):
-        return "a leg never leaves the ground"
+        return NO_SUPPORT
+    return NO_SWING if speed > 0 and not can_move(pattern) else None
+
+
+def longest_support(scenario: Scenario, pattern: Pattern, speed: float, cycle_duration: float) -> float | None:
+    """The most that the stances of all legs can last together, a cycle [s]; None when the program is empty."""
     equalities, targets, rows, limits, variable_bounds = _program(scenario, pattern, speed, cycle_duration)
-    size = len(variable_bounds)
+    standing = np.zeros(len(variable_bounds))
+    standing[: pattern.phases] = [sum(pattern.column(phase)) for phase in range(pattern.phases)]
     solution = linprog(
-        np.zeros(size),
+        -standing,
         A_ub=rows if len(rows) else None,
         b_ub=limits if len(rows) else None,
         A_eq=equalities,
@@ -44,7 +60,10 @@ def why_impossible(scenario: Scenario, pattern: Pattern, speed: float, cycle_dur
         bounds=variable_bounds,
         method="highs",
     )
-    return "stance travel and swing speed do not fit into the cycle" if solution.status == 2 else None
+    if solution.status == 2:
+        return None
+    # Whatever else the LP solver says, all legs cannot stand longer than always.
+    return -float(solution.fun) if solution.status == 0 else pattern.legs * cycle_duration
 
 
 def reach(robot: Robot, leg: int) -> float:

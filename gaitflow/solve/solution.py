@@ -8,8 +8,9 @@ from typing import Literal
 from gaitflow.trajectory import Array, Trajectory
 
 # solved: our check found it feasible. infeasible: no start led to a feasible point. failed: limit, exception or
-# crash of the solver. screened: a necessary condition rules the pattern out, nothing was solved.
-Status = Literal["solved", "infeasible", "failed", "screened"]
+# crash of the solver. screened: a necessary condition rules the pattern out, nothing was solved. probed: solved on a
+# coarse mesh only, where it was far from the best.
+Status = Literal["solved", "infeasible", "failed", "screened", "probed"]
 
 
 @dataclass(frozen=True)

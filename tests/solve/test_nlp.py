@@ -12,8 +12,8 @@ from gaitflow.gaits import Pattern
 from gaitflow.problem import Bounds, GaitProblem, transcribe
 from gaitflow.scenario import Scenario, Transcription
 from gaitflow.solve import guess, nlp
+from gaitflow.solve.attempts import solution
 from gaitflow.solve.nlp import IPOPT, Attempt, FixedGaitSolver, Start, call_solver, make_ipopt
-from gaitflow.solve.patterns import solution
 from gaitflow.task import Task
 
 Solve = Callable[..., Attempt]

@@ -12,8 +12,9 @@ from gaitflow.check import FEASIBLE, worst
 from gaitflow.gaits import Pattern, all_patterns, gait_of
 from gaitflow.scenario import Scenario, Strategy, Transcription
 from gaitflow.solve import Solution, solve_tasks
+from gaitflow.solve.attempts import best_of, seed_of, solution
 from gaitflow.solve.nlp import Attempt, FixedGaitSolver, Start
-from gaitflow.solve.patterns import best_of, candidate_patterns, seed_of, solution, solve_chain
+from gaitflow.solve.patterns import candidate_patterns, solve_chain
 from gaitflow.task import Task
 
 Solve = Callable[..., Attempt]
