@@ -11,6 +11,7 @@ try:
 
     from gaitflow import stages
     from gaitflow.cli_errors import bad_input, fail, print_json
+    from gaitflow.cli_robot import robot
     from gaitflow.config import ConfigError
     from gaitflow.workspace import Workspace
 except ImportError as error:
@@ -367,6 +368,8 @@ def quality(data: dict[str, Any]) -> str:
         f"accuracy {data['accuracy']:.3f} F1 {data['macro_f1']:.3f} {regret} infeasible {data['infeasible_rate']:.3f}"
     )
 
+
+main.add_command(robot)
 
 if __name__ == "__main__":
     main()

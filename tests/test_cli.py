@@ -156,7 +156,7 @@ def test_a_bad_scenario_is_one_clear_line_and_exit_2(
     tmp_path: Path, changes: dict[str, Any], field: str, words: str
 ) -> None:
     root = make_root(tmp_path, **changes)
-    for command in ("validate", "solve", "status", "label", "train", "publish", "report", "run"):
+    for command in ("validate", "solve", "status", "label", "train", "publish", "report", "robot", "run"):
         done = call(root, command, "small")
         assert done.exit_code == 2
         assert "small.yaml" in done.stderr and field in done.stderr and words in done.stderr

@@ -73,7 +73,28 @@ class Robot(Config):
                 f"mirror = {short(self.mirror)}: pairs of legs, none in two pairs or paired with itself; "
                 f"allowed: {', '.join(names)}"
             )
+        if self.mirror:
+            self._is_its_own_mirror_image()
         return self
+
+    def _is_its_own_mirror_image(self) -> None:
+        """Gaits are merged under mirroring, which is right only for a body that is its own image to the last bit."""
+        feet = {leg.name: leg.default_foot for leg in self.legs}
+        partner = {a: b for a, b in self.mirror} | {b: a for a, b in self.mirror}
+        for name, foot in feet.items():
+            other = partner.get(name, name)
+            image = feet[other] if self.dimension == 2 else (feet[other][0], -feet[other][1], feet[other][2])
+            if foot == image:
+                continue
+            expected = f"the mirror image of {other}'s" if other != name else "in the middle plane, as it is in no pair"
+            raise ValueError(
+                f"legs.{name}.default_foot = {foot}: must be {expected}, {image}, when mirror = {self.mirror}"
+            )
+        if self.dimension == 3 and any(self.inertia[i][j] for i, j in ((0, 1), (1, 0), (1, 2), (2, 1))):
+            raise ValueError(
+                f"inertia: Ixy = {self.inertia[0][1]:g} and Iyz = {self.inertia[1][2]:g}: must be 0 when mirror = "
+                f"{self.mirror}"
+            )
 
     @property
     def leg_names(self) -> tuple[str, ...]:

@@ -1,0 +1,66 @@
+"""Robot descriptions (URDF, SRDF) as checked text: a size limit, no entities, a sane number of links, no other file."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+
+from gaitflow.config import ConfigError
+
+MAX_BYTES = 4_000_000
+MAX_ELEMENTS = 50_000
+MAX_LINKS = 1_000  # a legged robot has some dozens; the tree is walked recursively by the library that reads it
+INSTALLED = ("share", "site-packages")  # folders below which a path is the same on every machine
+
+
+@dataclass(frozen=True)
+class Description:
+    """One URDF or SRDF file: its text and the robot's name in it. Nothing that it refers to is ever opened."""
+
+    path: Path
+    name: str
+    text: str
+
+    @property
+    def label(self) -> str:
+        """What a result may call it."""
+        return label_of(self.path)
+
+
+def label_of(path: Path) -> str:
+    """A path from where packages are installed on, or the file's name alone: the same on every machine."""
+    parts = path.absolute().parts
+    below = [index + 1 for index, part in enumerate(parts[:-1]) if part in INSTALLED]
+    return "/".join(parts[below[-1] :]) if below else path.name
+
+
+def read_description(path: Path) -> Description:
+    """Read a URDF or SRDF. Raises ConfigError: not readable, too large, not XML of a <robot>, or with a DOCTYPE."""
+    try:
+        with path.open("rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read ({error.strerror})") from None
+    if len(content) > MAX_BYTES:
+        raise ConfigError(f"{path}: more than {MAX_BYTES} bytes, the most a robot description may have")
+    try:
+        text = content.decode()
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: not UTF-8 text ({error.reason} at byte {error.start})") from None
+    if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
+        raise ConfigError(f"{path}: has a DOCTYPE or ENTITY, which a robot description does not need: remove it")
+    try:
+        root = ElementTree.fromstring(text)
+    except (ElementTree.ParseError, ValueError) as error:
+        raise ConfigError(f"{path}: not valid XML ({error}); a .xacro must be expanded to a URDF first") from None
+    name = root.get("name")
+    if root.tag != "robot" or not name:
+        raise ConfigError(f"{path}: expected <robot name=...>, found <{root.tag[:40]}>")
+    elements, links = sum(1 for _ in root.iter()), len(root.findall("link"))
+    if elements > MAX_ELEMENTS or links > MAX_LINKS:
+        raise ConfigError(
+            f"{path}: {elements} elements, {links} links; the most it may have are {MAX_ELEMENTS} and {MAX_LINKS}"
+        )
+    return Description(path, name, text)
