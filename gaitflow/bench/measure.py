@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 import pandas as pd
 
-from gaitflow.bench import discovery, faults, map, minlp, select, stances, table1
+from gaitflow.bench import discovery, faults, map, minlp, select, stances, table1, table2
 from gaitflow.dataset import load_solutions
 from gaitflow.execute.journal import read_journal
 from gaitflow.runtime.versions import resolve
@@ -33,7 +34,11 @@ def measure(name: str, workspace: Workspace, scenario: Scenario, tasks: int | No
         "select": lambda: select.run(resolve(workspace.models / scenario.name), seed=seed),
         "stances": partial(_stances, workspace, scenario),
         "table1": lambda: table1.run(scenario, resolve(workspace.models / scenario.name), seed=seed, runs=runs, **own),
-    }
+        "table2": lambda: table2.run(
+            scenario, resolve(workspace.models / scenario.name), _document(workspace, "minlp", scenario), seed=seed,
+            runs=runs, **own,
+        ),
+    }  # fmt: skip
     return benches[name]()
 
 
@@ -41,6 +46,12 @@ def _map(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
     run = workspace.run(scenario)
     journal = read_journal(run.folder / "journal")
     return map.run(scenario, load_solutions(run.solutions), pd.read_parquet(run.labels), journal)
+
+
+def _document(workspace: Workspace, bench: str, scenario: Scenario) -> dict[str, Any] | None:
+    """What another bench wrote on a scenario, if it has run."""
+    path = workspace.results / f"{bench}-{scenario.name}.json"
+    return json.loads(path.read_bytes()) if path.exists() else None
 
 
 def _map_cpu(workspace: Workspace, scenario: Scenario) -> dict[tuple[float, float], float]:
