@@ -156,7 +156,7 @@ def test_a_bad_scenario_is_one_clear_line_and_exit_2(
     tmp_path: Path, changes: dict[str, Any], field: str, words: str
 ) -> None:
     root = make_root(tmp_path, **changes)
-    for command in ("validate", "solve", "status", "label", "train", "publish", "report", "robot", "run"):
+    for command in ("validate", "solve", "status", "label", "train", "publish", "report", "run"):
         done = call(root, command, "small")
         assert done.exit_code == 2
         assert "small.yaml" in done.stderr and field in done.stderr and words in done.stderr
@@ -241,7 +241,8 @@ def test_report_wants_a_scenario_or_claims(tmp_path: Path) -> None:
 
 def test_every_command_explains_itself_with_an_example() -> None:
     assert set(main.commands) == {
-        "bench", "label", "labels", "plan", "publish", "report", "run", "solve", "status", "train", "validate", "verify"
+        "bench", "label", "labels", "plan", "publish", "report", "robot", "run", "solve", "status", "train", "validate",
+        "verify",
     }  # fmt: skip
     for name in main.commands:
         done = CliRunner().invoke(main, [name, "--help"])
