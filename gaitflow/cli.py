@@ -12,6 +12,7 @@ try:
     from gaitflow import stages
     from gaitflow.cli_errors import bad_input, fail, print_json
     from gaitflow.cli_robot import robot
+    from gaitflow.cli_show import show
     from gaitflow.config import ConfigError
     from gaitflow.workspace import Workspace
 except ImportError as error:
@@ -370,6 +371,7 @@ def quality(data: dict[str, Any]) -> str:
 
 
 main.add_command(robot)
+main.add_command(show)
 
 if __name__ == "__main__":
     main()

@@ -12,9 +12,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from gaitflow.dataset import Solutions, load_solutions
 from gaitflow.gaits import Pattern, gait_of
+from gaitflow.problem import transcribe
 from gaitflow.robots import load_robot
 from gaitflow.scenario import Scenario, load_scenario
+from gaitflow.solve import guess
+from gaitflow.solve.nlp import FixedGaitSolver, Start
 from gaitflow.solve.solution import Solution
 from gaitflow.trajectory import Trajectory
 
@@ -147,6 +151,56 @@ def without_trajectory(solution: Solution, status: str) -> Solution:
 def scenario() -> Scenario:
     scenario = load_scenario(CONFIGS / "scenarios" / "half-cheetah-flat-effort.yaml")
     return scenario.model_copy(update={"robot": load_robot(ROBOT)})
+
+
+@pytest.fixture(scope="session")
+def anymal(checkout: Path) -> Scenario:
+    """ANYmal in space, J3, 4 phases of 10 knots."""
+    return load_scenario(checkout / "tests/data/scenarios/anymal-flat-vibration.yaml")
+
+
+@pytest.fixture(scope="session")
+def solved(anymal: Scenario):
+    """(speed, duration, pattern) -> solution of ANYmal, really solved."""
+    solver = FixedGaitSolver(transcribe(anymal), 20.0)
+
+    def solve(speed: float, duration: float, pattern: str) -> Solution:
+        start = Start("nominal", guess.nominal(anymal.robot, solver.problem.layout, speed, duration))
+        attempt = solver.solve(Pattern.from_text(pattern), speed, duration, start)
+        assert attempt.feasible, attempt.solver_status
+        return Solution(
+            speed=speed,
+            cycle_duration=duration,
+            split="grid",
+            pattern=pattern,
+            gait=gait_of(Pattern.from_text(pattern), anymal.robot.mirror_permutation).text,
+            strategy="patterns",
+            start="nominal",
+            seed=0,
+            status="solved",
+            solver_status=attempt.solver_status,
+            cost=attempt.cost,
+            violation=attempt.violation,
+            iterations=attempt.iterations,
+            solves=1,
+            wall_s=attempt.wall_s,
+            cpu_s=attempt.cpu_s,
+            trajectory=attempt.trajectory,
+        )
+
+    return solve
+
+
+@pytest.fixture(scope="session")
+def trot(solved) -> Solution:
+    """ANYmal's walking trot at the speed and duration of the paper's hardware trial."""
+    return solved(0.3, 0.8, "0111/1101/1101/0111")
+
+
+@pytest.fixture(scope="session")
+def published(checkout: Path) -> Solutions:
+    """A published dataset of the half-cheetah."""
+    return load_solutions(checkout / "datasets/half-cheetah-flat-effort/1.0.0")
 
 
 @pytest.fixture(scope="session")

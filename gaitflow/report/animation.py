@@ -1,0 +1,108 @@
+"""A stored motion as one HTML file to watch, turn and step through: nothing is loaded from elsewhere.
+
+The file's script and style are named by their digests in its content security policy, so that no text that comes from
+a dataset can run, whatever it says.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from collections.abc import Mapping
+from importlib.resources import files
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment, StrictUndefined
+
+from gaitflow.check import FEASIBLE, violations
+from gaitflow.report.motion import BODY_COLOUR, FLOOR_COLOUR, FORCE_COLOUR, GROUND_COLOUR, SWING_COLOUR
+from gaitflow.report.palette import lighter
+from gaitflow.report.scene import Scene, scene_of
+from gaitflow.report.tables import number
+from gaitflow.scenario import Scenario
+from gaitflow.solve.solution import Solution
+from gaitflow.trajectory import Array
+
+DIGITS = 5  # of stored lengths, angles and forces over weight
+
+
+def animation_page(solution: Solution, scenario: Scenario, gait: str, colour: str) -> str:
+    """The motion as HTML: the robot in space, its contact bars, cost and constraint violations, all judged anew.
+
+    `gait` is the gait's name, `colour` its hex colour. Raises ValueError when the solution has no trajectory.
+    """
+    scene = scene_of(solution, scenario)
+    assert solution.trajectory is not None
+    found = violations(
+        scenario.as_data(), solution.trajectory, solution.speed, solution.cycle_duration, solution.pattern
+    )
+    script, style = _part("animation.js"), _part("animation.css")
+    template = Environment(autoescape=True, undefined=StrictUndefined).from_string(_part("animation.html.jinja"))
+    return template.render(
+        title=f"{scenario.robot.name}: {gait}",
+        robot=scenario.robot.name,
+        gait=gait,
+        scenario=scenario.name,
+        facts=_facts(solution, max(found.values())),
+        violations=[(kind, f"{value:.1e}", value <= FEASIBLE) for kind, value in found.items()],
+        planar=scene.planar,
+        data=animation_data(scene, solution, scenario, colour),
+        script=script,
+        style=style,
+        policy=f"default-src 'none'; script-src '{_digest(script)}'; style-src '{_digest(style)}'",
+    )
+
+
+def animation_data(scene: Scene, solution: Solution, scenario: Scenario, colour: str) -> Mapping[str, Any]:
+    """What the script draws, as plain data: metres, radians and seconds; forces over the robot's weight."""
+    return {
+        "planar": scene.planar,
+        "slope": scene.slope,
+        "height": scene.height,
+        "advance": solution.speed * solution.cycle_duration,
+        "times": _rounded(scene.times),
+        "position": _rounded(scene.position),
+        "angles": _rounded(scene.angles),
+        "feet": _rounded(scene.feet),
+        "forces": _rounded(scene.forces / scene.weight),
+        "durations": _rounded(scene.durations),
+        "rows": list(scene.rows),
+        "legs": list(scenario.robot.leg_names),
+        "hips": _rounded(scene.hips),
+        "defaultFeet": _rounded(scene.default_feet),
+        "box": _rounded(scene.box),
+        "body": _rounded(scene.body),
+        "colours": {
+            "stance": colour,
+            "pale": lighter(colour, 0.8),
+            "swing": SWING_COLOUR,
+            "force": FORCE_COLOUR,
+            "body": BODY_COLOUR,
+            "ground": GROUND_COLOUR,
+            "floor": FLOOR_COLOUR,
+        },
+    }
+
+
+def _facts(solution: Solution, worst: float) -> list[tuple[str, str]]:
+    verdict = "feasible" if worst <= FEASIBLE else "NOT feasible"
+    return [
+        ("speed", f"{solution.speed:.4g} m/s"),
+        ("cycle", f"{solution.cycle_duration:.4g} s"),
+        ("pattern", solution.pattern),
+        ("cost", number(solution.cost)),
+        ("worst violation", f"{worst:.1e}, {verdict}"),
+    ]
+
+
+def _rounded(values: Array) -> Any:
+    return np.round(values, DIGITS).tolist()
+
+
+def _part(name: str) -> str:
+    return files("gaitflow.report").joinpath(name).read_text(encoding="utf-8")
+
+
+def _digest(text: str) -> str:
+    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii")
