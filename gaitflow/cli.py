@@ -18,7 +18,7 @@ try:
 except ImportError as error:
     sys.exit(f'gaitflow: the command line needs more than the runtime ({error}): pip install "gaitflow[all]"')
 
-BENCHES = ("discovery", "faults", "map", "minlp", "select", "stances", "table1")
+BENCHES = ("discovery", "faults", "map", "minlp", "scaling", "select", "stances", "table1", "table2")
 PIPED_WIDTH = 160  # a table in a file need not fit a terminal
 DEFAULT_SCENARIO = "half-cheetah-flat-effort"
 scenario_argument = click.argument("scenario")
@@ -337,7 +337,9 @@ def bench(workspace: Workspace, name: str, scenario: str, tasks: int | None, see
     \b
     discovery  pattern search against Bonmin's restarts: cost and CPU time
     table1     the paper's Table I: MINLP, random starts, warm starts
+    table2     its Table II, with the MINLP's runs of `bench minlp` (after `gaitflow run`)
     minlp      Bonmin for an hour on one task, its incumbents and gap, beside our search
+    scaling    CPU time of one pattern by legs, phases and knots; of two robots, whatever SCENARIO says
     map        what making a map took, every label checked again (after `gaitflow run`)
     select     loading a map and asking it
     stances    what one stance per leg costs (needs the runs of SCENARIO and SCENARIO-free)

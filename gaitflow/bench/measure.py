@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from gaitflow.bench import discovery, faults, map, minlp, select, stances, table1, table2
+from gaitflow.bench import discovery, faults, map, minlp, scaling, select, stances, table1, table2
 from gaitflow.dataset import load_solutions
 from gaitflow.execute.journal import read_journal
 from gaitflow.runtime.versions import resolve
@@ -18,7 +18,7 @@ from gaitflow.workspace import Workspace
 
 
 def measure(name: str, workspace: Workspace, scenario: Scenario, tasks: int | None, seed: int) -> dict[str, Any]:
-    """Run one bench and return its document; `tasks` None takes the bench's own number.
+    """Run one bench and return its document; `tasks` None takes the bench's own number (of `scaling`: solves a size).
 
     Raises ValueError or FileNotFoundError when what a bench reads (a run, a published map) is not there.
     """
@@ -31,6 +31,7 @@ def measure(name: str, workspace: Workspace, scenario: Scenario, tasks: int | No
         "faults": partial(faults.faults, scenario, tasks or 12, 20, seed),
         "map": partial(_map, workspace, scenario),
         "minlp": lambda: minlp.run(scenario, seed=seed, runs=runs, **own),
+        "scaling": partial(_scaling, workspace, tasks or 10, seed),
         "select": lambda: select.run(resolve(workspace.models / scenario.name), seed=seed),
         "stances": partial(_stances, workspace, scenario),
         "table1": lambda: table1.run(scenario, resolve(workspace.models / scenario.name), seed=seed, runs=runs, **own),
@@ -63,6 +64,13 @@ def _map_cpu(workspace: Workspace, scenario: Scenario) -> dict[tuple[float, floa
     spent = frame[frame["split"] == "grid"].groupby(["speed", "cycle_duration"], as_index=False)["cpu_s"].sum()
     tasks = zip(spent["speed"].tolist(), spent["cycle_duration"].tolist(), strict=True)
     return dict(zip(tasks, spent["cpu_s"].tolist(), strict=True))
+
+
+def _scaling(workspace: Workspace, solves: int, seed: int) -> dict[str, Any]:
+    scenarios = [workspace.scenario(name) for name in scaling.SCENARIOS]
+    maps = {each.name: done["summary"] for each in scenarios if (done := _document(workspace, "map", each))}
+    per_task = {name: told["cpu_s"] / told["labelled"] for name, told in maps.items() if told["labelled"]}
+    return scaling.run(scenarios, solves=solves, seed=seed, runs=workspace.root / "runs", map_cpu_s=per_task)
 
 
 def _stances(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
