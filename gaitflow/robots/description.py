@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,16 +13,18 @@ from gaitflow.config import ConfigError
 MAX_BYTES = 4_000_000
 MAX_ELEMENTS = 50_000
 MAX_LINKS = 1_000  # a legged robot has some dozens; the tree is walked recursively by the library that reads it
+MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 INSTALLED = ("share", "site-packages")  # folders below which a path is the same on every machine
 
 
 @dataclass(frozen=True)
 class Description:
-    """One URDF or SRDF file: its text and the robot's name in it. Nothing that it refers to is ever opened."""
+    """One URDF or SRDF file: its text, the robot's name and its links' mass [kg]. What it refers to is never opened."""
 
     path: Path
     name: str
     text: str
+    mass: float
 
     @property
     def label(self) -> str:
@@ -63,4 +66,27 @@ def read_description(path: Path) -> Description:
         raise ConfigError(
             f"{path}: {elements} elements, {links} links; the most it may have are {MAX_ELEMENTS} and {MAX_LINKS}"
         )
-    return Description(path, name, text)
+    masses = [_mass(path, link) for link in root.iterfind("link") if link.find("inertial") is not None]
+    return Description(path, name, text, sum(masses))
+
+
+def _mass(path: Path, link: ElementTree.Element) -> float:
+    """Mass of a link with an <inertial>, whose numbers must all be numbers: urdfdom would go on without them."""
+    stated = {"mass": ("value",), "inertia": MOMENTS}
+    texts: dict[str, str] = {}
+    for part, keys in stated.items():
+        element = link.find(f"inertial/{part}")
+        texts |= {f"{part} {key}": "" if element is None else element.get(key, "") for key in keys}
+    for what, text in texts.items():
+        if not math.isfinite(_number(text)) or float(texts["mass value"]) < 0:
+            raise ConfigError(
+                f"{path}: link {link.get('name')!r} has {what} = {text[:40]!r}: must be a number, mass >= 0"
+            )
+    return float(texts["mass value"])
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan

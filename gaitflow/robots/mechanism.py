@@ -121,8 +121,14 @@ def load_mechanism(description: Description) -> Mechanism:
             raise ConfigError(f"{description.path}: joint {name!r} has {joint.nv} degrees of freedom, only 1 is known")
     turns = np.array([joint.nq == 2 for joint in moving], dtype=bool)  # without end: stored as cosine and sine
     ends = [joint.idx_q for joint in moving]
-    if not moving or not np.isfinite(sum(inertia.mass for inertia in model.inertias)):
-        raise ConfigError(f"{description.path}: no joint moves, or a mass is not a finite number")
+    if not moving:
+        raise ConfigError(f"{description.path}: no joint moves")
+    mass = sum(inertia.mass for inertia in model.inertias)
+    if not np.isclose(mass, description.mass):  # urdfdom warns of an <inertial> that it cannot read, and leaves it out
+        raise ConfigError(
+            f"{description.path}: its links weigh {description.mass:g} kg, of which {mass:g} kg could be used: an "
+            "<inertial> is not valid (each needs <mass> and an <inertia> with ixx, ixy, ixz, iyy, iyz, izz)"
+        )
     return Mechanism(
         label=description.label,
         model=model,

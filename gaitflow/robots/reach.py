@@ -89,14 +89,17 @@ def default_box(legs: Sequence[LegChain], centres: Array) -> tuple[Array, float]
     Half lengths [3] m are rounded down to mm. Raises ConfigError when the legs reach no such box of at least 1 mm.
     """
     full = ANYMAL_BOX * min(longest_reach(leg) for leg in legs) / ANYMAL_REACH
-    for percent in range(100, 0, -1):
+    fits, fails = 0, 101  # per cent of the full size
+    while fails - fits > 1:
+        percent = 100 if fails > 100 else (fits + fails) // 2
         box = np.floor(full * percent * 10) / 1e3
-        if box.min() <= 0:
-            break
         pairs = zip(legs, centres, strict=True)
-        if not any(True for leg, centre in pairs for _ in _shortfalls(leg, centre, box)):
-            return box, percent / 100
-    raise ConfigError("box: the legs reach no box around their feet in this pose: bend the knees more with --pose")
+        reached = box.min() <= 0 or not any(True for leg, centre in pairs for _ in _shortfalls(leg, centre, box))
+        fits, fails = (percent, fails) if reached else (fits, percent)
+    box = np.floor(full * fits * 10) / 1e3
+    if box.min() <= 0:
+        raise ConfigError("box: the legs reach no box around their feet in this pose: bend the knees more with --pose")
+    return box, fits / 100
 
 
 def _shortfalls(leg: LegChain, centre: Array, box: Array) -> Iterator[tuple[Signs, float]]:

@@ -66,7 +66,7 @@ def symmetrised(feet: Array, inertia: Array, names: Sequence[str]) -> Symmetric:
                 f"{TOLERANCE:.0%} of its distance from the centre of mass: choose a symmetric pose with --pose"
             )
     for label, (i, j) in (("Ixy", (0, 1)), ("Iyz", (1, 2))):
-        if abs(inertia[i, j]) > TOLERANCE * np.sqrt(inertia[i, i] * inertia[j, j]):
+        if abs(inertia[i, j]) > TOLERANCE * np.sqrt(abs(inertia[i, i] * inertia[j, j])):
             raise ConfigError(
                 f"{label} = {inertia[i, j]:.4g} kg m^2 is more than {TOLERANCE:.0%} of the moments beside it: the body "
                 "is not left-right symmetric, choose a symmetric pose with --pose or correct the URDF"

@@ -156,3 +156,39 @@ def test_a_leg_in_two_mirror_pairs(quadruped: dict[str, Any], tmp_path: Path) ->
     said = refusal(quadruped | {"mirror": [["LF", "RF"], ["LF", "RH"]]}, tmp_path)
     assert said.startswith("mirror = (('LF', 'RF'), ('LF', 'RH')): ")
     assert said.endswith("allowed: LF, RF, LH, RH")
+
+
+def moved(quadruped: dict[str, Any], leg: int, foot: list[float]) -> dict[str, Any]:
+    legs = [dict(entry) for entry in quadruped["legs"]]
+    legs[leg]["default_foot"] = foot
+    return quadruped | {"legs": legs}
+
+
+@pytest.mark.parametrize("foot", [[0.4, -0.2001, -0.5], [0.41, -0.2, -0.5], [0.4, 0.2, -0.5], [0.4, -0.2, -0.51]])
+def test_paired_feet_must_mirror_exactly(quadruped: dict[str, Any], tmp_path: Path, foot: list[float]) -> None:
+    said = refusal(moved(quadruped, 1, foot), tmp_path)
+    assert said.startswith("legs.LF.default_foot = (0.4, 0.2, -0.5): must be the mirror image of RF's, ")
+    assert str((foot[0], -foot[1], foot[2])) in said
+
+
+def test_a_foot_in_no_pair_must_be_in_the_middle(quadruped: dict[str, Any], tmp_path: Path) -> None:
+    quadruped["legs"].append({"name": "T", "default_foot": [0.0, 0.01, -0.5]})
+    said = refusal(quadruped, tmp_path)
+    assert said.startswith("legs.T.default_foot = (0.0, 0.01, -0.5): must be in the middle plane")
+
+
+@pytest.mark.parametrize(("row", "column", "said"), [(0, 1, "Ixy = 0.05"), (1, 2, "Iyz = 0.05")])
+def test_a_lopsided_inertia_has_no_mirror(
+    quadruped: dict[str, Any], tmp_path: Path, row: int, column: int, said: str
+) -> None:
+    inertia = [list(line) for line in quadruped["inertia"]]
+    inertia[row][column] = inertia[column][row] = 0.05
+    assert said in refusal(quadruped | {"inertia": inertia}, tmp_path)
+    assert Robot.from_data(quadruped | {"inertia": inertia, "mirror": []}, "here").mirror == ()
+
+
+def test_in_the_plane_paired_feet_are_in_one_place(planar: dict[str, Any], tmp_path: Path) -> None:
+    feet = [{"name": name, "default_foot": [0.5, -0.5]} for name in ("L", "R")]
+    assert Robot.from_data(planar | {"legs": feet, "mirror": [["L", "R"]]}, "here").mirror_permutation == (1, 0)
+    said = refusal(planar | {"mirror": [["F", "H"]]}, tmp_path)
+    assert said.startswith("legs.F.default_foot = (0.5, -0.5): must be the mirror image of H's, (-0.5, -0.5)")
