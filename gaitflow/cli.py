@@ -18,7 +18,10 @@ try:
 except ImportError as error:
     sys.exit(f'gaitflow: the command line needs more than the runtime ({error}): pip install "gaitflow[all]"')
 
-BENCHES = ("discovery", "faults", "map", "minlp", "scaling", "select", "stances", "table1", "table2")
+BENCHES = (
+    "certificate", "discovery", "faults", "map", "minlp", "phases", "ranking", "scaling", "select", "stances", "table1",
+    "table2",
+)  # fmt: skip
 PIPED_WIDTH = 160  # a table in a file need not fit a terminal
 DEFAULT_SCENARIO = "half-cheetah-flat-effort"
 scenario_argument = click.argument("scenario")
@@ -343,6 +346,9 @@ def bench(workspace: Workspace, name: str, scenario: str, tasks: int | None, see
     map        what making a map took, every label checked again (after `gaitflow run`)
     select     loading a map and asking it
     stances    what one stance per leg costs (needs the runs of SCENARIO and SCENARIO-free)
+    phases     what more phases gain (SCENARIO is S-eight-phases; needs its run and that of S)
+    ranking    the gaits of each task by cost and what they ask of the robot (after `gaitflow solve`)
+    certificate  exhaustive search of some tasks beside their labels (after `gaitflow label`)
     faults     kill -9 of workers and runs
     Example: gaitflow bench select --scenario quickstart
     """

@@ -3,13 +3,27 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 import pandas as pd
 
-from gaitflow.bench import discovery, faults, map, minlp, scaling, select, stances, table1, table2
+from gaitflow.bench import (
+    certificate,
+    discovery,
+    faults,
+    map,
+    minlp,
+    phases,
+    ranking,
+    scaling,
+    select,
+    stances,
+    table1,
+    table2,
+)
 from gaitflow.dataset import load_solutions
 from gaitflow.execute.journal import read_journal
 from gaitflow.runtime.versions import resolve
@@ -25,12 +39,17 @@ def measure(name: str, workspace: Workspace, scenario: Scenario, tasks: int | No
     runs = workspace.root / "runs"
     own = {} if tasks is None else {"tasks": tasks}
     benches: dict[str, Callable[[], dict[str, Any]]] = {
+        "certificate": lambda: certificate.run(
+            scenario, pd.read_parquet(workspace.run(scenario).labels), seed=seed, runs=runs, **own
+        ),
         "discovery": lambda: discovery.run(
             scenario, seed=seed, runs=runs, map_cpu_s=_map_cpu(workspace, scenario), **own
         ),
         "faults": partial(faults.faults, scenario, tasks or 12, 20, seed),
         "map": partial(_map, workspace, scenario),
         "minlp": lambda: minlp.run(scenario, seed=seed, runs=runs, **own),
+        "phases": partial(_phases, workspace, scenario),
+        "ranking": lambda: ranking.run(scenario, load_solutions(workspace.run(scenario).solutions)),
         "scaling": partial(_scaling, workspace, tasks or 10, seed),
         "select": lambda: select.run(resolve(workspace.models / scenario.name), seed=seed),
         "stances": partial(_stances, workspace, scenario),
@@ -77,3 +96,13 @@ def _stances(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
     free = workspace.scenario(f"{scenario.name}-free")
     labels, free_labels = (pd.read_parquet(workspace.run(each).labels) for each in (scenario, free))
     return stances.run(scenario, free, labels, free_labels)
+
+
+def _phases(workspace: Workspace, more: Scenario) -> dict[str, Any]:
+    """`more` is named after the scenario that it extends: "anymal-flat-vibration-eight-phases"."""
+    base = re.match(r"(.+?)-[a-z0-9]+-phases", more.name)
+    if base is None:
+        raise ValueError(f"{more.name}: must be named <scenario>-<number>-phases after the scenario to compare with")
+    scenario = workspace.scenario(base[1])
+    labels, more_labels = (pd.read_parquet(workspace.run(each).labels) for each in (scenario, more))
+    return phases.run(scenario, more, labels, more_labels)

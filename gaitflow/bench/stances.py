@@ -25,7 +25,7 @@ NOTES = (
     "those that tie with the cheapest one either. cost_fall is the share by which the cost falls without the "
     "constraint. excluded counts tasks whose cheapest gait has a leg with no stance or with several.",
     "dearer counts tasks whose cost is higher without the constraint: all its motions are still allowed there, so the "
-    "search missed one. Tasks are those of the grid.",
+    "search missed one. Tasks are those of the grid that both scenarios have.",
 )
 
 
@@ -48,16 +48,16 @@ def run(scenario: Scenario, free: Scenario, labels: pd.DataFrame, free_labels: p
 
 
 def compare(labels: pd.DataFrame, free_labels: pd.DataFrame) -> list[dict[str, Any]]:
-    """A row a grid task. Raises ValueError when the two frames have different grid tasks."""
+    """A row for each grid task that both frames have. Raises ValueError when there is none."""
     one, free = (
         frame[frame["split"] == "grid"].set_index(["speed", "cycle_duration"]) for frame in (labels, free_labels)
     )
-    if set(one.index) != set(free.index):
+    common = [task for task in one.index if task in free.index]
+    if not common:
         raise ValueError(
-            f"the labels have {len(one)} and {len(free)} grid tasks, {len(set(one.index) ^ set(free.index))} of them "
-            "only in one; solve and label both scenarios on one grid"
+            f"the labels have {len(one)} and {len(free)} grid tasks and none in common; choose other grids"
         )
-    return [_row(task, one.loc[task], free.loc[task]) for task in one.index]
+    return [_row(task, one.loc[task], free.loc[task]) for task in common]
 
 
 def summarise(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
