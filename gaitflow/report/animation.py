@@ -16,7 +16,7 @@ import numpy as np
 from jinja2 import Environment, StrictUndefined
 
 from gaitflow.check import FEASIBLE, violations
-from gaitflow.report.motion import BODY_COLOUR, FLOOR_COLOUR, FORCE_COLOUR, GROUND_COLOUR, SWING_COLOUR
+from gaitflow.report.motion import BODY_COLOUR, FORCE_COLOUR, GROUND_COLOUR, SWING_COLOUR
 from gaitflow.report.palette import lighter
 from gaitflow.report.scene import Scene, scene_of
 from gaitflow.report.tables import number
@@ -37,7 +37,7 @@ def animation_page(solution: Solution, scenario: Scenario, gait: str, colour: st
     found = violations(
         scenario.as_data(), solution.trajectory, solution.speed, solution.cycle_duration, solution.pattern
     )
-    script, style = _part("animation.js"), _part("animation.css")
+    script, style = _part("animation_view.js") + _part("animation.js"), _part("animation.css")
     template = Environment(autoescape=True, undefined=StrictUndefined).from_string(_part("animation.html.jinja"))
     return template.render(
         title=f"{scenario.robot.name}: {gait}",
@@ -80,7 +80,6 @@ def animation_data(scene: Scene, solution: Solution, scenario: Scenario, colour:
             "force": FORCE_COLOUR,
             "body": BODY_COLOUR,
             "ground": GROUND_COLOUR,
-            "floor": FLOOR_COLOUR,
         },
     }
 

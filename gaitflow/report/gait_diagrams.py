@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from gaitflow.report.palette import gait_colours, lighter
+from gaitflow.report.palette import kind_and_contacts, lighter
 from gaitflow.report.winners import counted, mean_phase_fractions, most_common_pattern
 from gaitflow.solve.solution import Solution
 from gaitflow.trajectory import Array
@@ -18,8 +18,10 @@ COLUMNS = 3
 BAR = 0.62  # height of a leg's bar
 
 
-def draw_gait_diagrams(regions: Mapping[str, Sequence[Solution]], leg_names: Sequence[str]) -> Figure:
-    """One small diagram a gait: a bar where a leg stands, over the cycle in per cent.
+def draw_gait_diagrams(
+    regions: Mapping[str, Sequence[Solution]], leg_names: Sequence[str], colours: Mapping[str, str]
+) -> Figure:
+    """One small diagram a gait, in the order given: a bar where a leg stands, over the cycle in per cent.
 
     Phase durations are means over the region's tasks that share its most common pattern. `regions` comes from
     `winners`; gaits without a trajectory are left out. Raises ValueError when none is left.
@@ -27,15 +29,29 @@ def draw_gait_diagrams(regions: Mapping[str, Sequence[Solution]], leg_names: Seq
     shown = {name: most_common_pattern(region) for name, region in regions.items() if region}
     if not shown:
         raise ValueError("no gait has a stored trajectory; pass solutions with trajectories")
-    colours = gait_colours(regions)
     columns = min(COLUMNS, len(shown))
     rows = math.ceil(len(shown) / columns)
-    figure = Figure(figsize=(8.4, rows * (0.85 + 0.3 * len(leg_names))), dpi=150, layout="constrained")
+    two_lines = any(kind_and_contacts(name)[1] for name in shown)
+    figure = Figure(
+        figsize=(8.4, rows * (0.85 + 0.3 * len(leg_names) + 0.2 * two_lines)), dpi=150, layout="constrained"
+    )
     for place, (name, region) in enumerate(shown.items()):
         axes = figure.add_subplot(rows, COLUMNS, 1 + COLUMNS * (place // columns) + place % columns)
         fractions = mean_phase_fractions(region)
         draw_contacts(axes, region[0].pattern, 100 * fractions, leg_names, colours[name])
-        axes.set_title(name, fontsize=11, loc="left")
+        kind, contacts = kind_and_contacts(name)
+        axes.set_title(f"{kind}\n" if two_lines else kind, fontsize=11, loc="left")
+        if contacts:
+            axes.annotate(
+                contacts,
+                (0, 1),
+                (0, 4),
+                "axes fraction",
+                "offset points",
+                fontsize=8,
+                color="#555555",
+                family="monospace",
+            )
         axes.set_title(counted(len(regions[name])), fontsize=9, loc="right", color="#555555")
         if place + columns >= len(shown):
             axes.set_xlabel("share of the cycle [%]", fontsize=9)

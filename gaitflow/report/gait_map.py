@@ -19,7 +19,8 @@ from matplotlib.typing import MarkerType
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from gaitflow.report.palette import gait_colours, lighter
+from gaitflow.report.palette import gait_colours, kind_and_contacts, lighter
+from gaitflow.report.winners import by_size
 
 # (speeds [n] m/s, cycle durations [n] s) -> index [n] of the chosen gait, -1 outside the domain.
 Floats = NDArray[np.float64]
@@ -29,29 +30,38 @@ Select = Callable[[Floats, Floats], NDArray[np.integer[Any]]]
 RESOLUTION = 300  # decisions drawn along each axis
 TEXT_HEIGHT, TEXT_WIDTH = 0.05, 0.016  # of a name inside its region, a letter: share of the axes
 LONG_NAME = 22  # letters
-INK = "#222222"
+MAX_NAMED = 12  # gaits with a colour of their own, those that win most tasks
+INK, TAIL = "#222222", "#c4c4c4"
 
 
 def draw_gait_map(labels: pd.DataFrame, gaits: Sequence[str], select: Select | None, title: str) -> Figure:
     """Speed on x, cycle duration on y: regions by `select`, whose indices point into `gaits`; tasks by their best gait.
 
     Grid tasks are filled circles, ringed where gaits tie; held-out tasks are diamonds; infeasible tasks are crosses.
-    Without `select` (no classifier was trained) only
-    the tasks are drawn. Raises ValueError when `labels` is empty or
-    `select` answers with an index that is no gait.
+    Without `select` (no classifier was trained) only the tasks are drawn. The legend begins with the gait that wins
+    most tasks; beyond MAX_NAMED gaits the others share one grey. Gaits whose names end with their contacts are
+    numbered, and so are their regions. Raises ValueError when `labels` is empty or `select` answers with an index
+    that is no gait.
     """
     if labels.empty:
         raise ValueError("the labels have no task; solve the scenario first")
-    solved = labels[labels["status"] == "solved"]
-    colours = gait_colours([*gaits, *solved["gait"]])
-    handles = _legend(labels, colours)
-    # Diagrams of quadrupeds are too long to stand beside the map.
+    order = by_size(labels, gaits)
+    named = order if len(order) <= MAX_NAMED + 1 else order[:MAX_NAMED]
+    own = gait_colours(order)
+    colours = {name: own[name] if name in named else TAIL for name in order}
+    numbered = any(kind_and_contacts(name)[1] for name in named)
+    short = {name: str(i) if numbered else name for i, name in enumerate(named, start=1)}
+    entries = {f"{i}   {name}" if numbered else name: colours[name] for i, name in enumerate(named, start=1)}
+    if len(named) < len(order):
+        entries[f"{len(order) - len(named)} other gaits"] = TAIL
+    handles = _legend(labels, entries)
+    # Names with contacts and diagrams are too long to stand beside the map.
     below = max(len(str(handle.get_label())) for handle in handles) > LONG_NAME
     lines = math.ceil(len(handles) / 2)
     figure = Figure(figsize=(8.4, 5.0 + 0.21 * lines * below), dpi=150, layout="constrained")
     axes = figure.add_subplot()
     if select is not None:
-        _draw_regions(axes, labels, gaits, select, colours)
+        _draw_regions(axes, labels, gaits, select, colours, short)
     _draw_tasks(axes, labels, colours)
     axes.set_xlabel("speed v [m/s]", fontsize=12)
     axes.set_ylabel("cycle duration T [s]", fontsize=12)
@@ -71,7 +81,12 @@ def draw_gait_map(labels: pd.DataFrame, gaits: Sequence[str], select: Select | N
 
 
 def _draw_regions(
-    axes: Axes, labels: pd.DataFrame, gaits: Sequence[str], select: Select, colours: Mapping[str, str]
+    axes: Axes,
+    labels: pd.DataFrame,
+    gaits: Sequence[str],
+    select: Select,
+    colours: Mapping[str, str],
+    short: Mapping[str, str],
 ) -> None:
     limits = [(labels[axis].min(), labels[axis].max()) for axis in ("speed", "cycle_duration")]
     speeds, durations = (np.linspace(low, high, RESOLUTION) for low, high in limits)
@@ -101,12 +116,12 @@ def _draw_regions(
         inside = chosen == index
         if not inside.all():
             axes.contour(speeds, durations, inside.astype(float), levels=[0.5], colors="white", linewidths=1.5)
-        _name_region(axes, speeds, durations, inside, occupied, gaits[index])
+        _name_region(axes, speeds, durations, inside, occupied, short.get(gaits[index], ""))
 
 
 def _name_region(axes: Axes, speeds: Floats, durations: Floats, inside: Mask, occupied: Mask, name: str) -> None:
     """Write a short name where its region is widest and free of tasks, if it fits there."""
-    if "/" in name:
+    if "/" in name or not name:
         return
     size = (1 / RESOLUTION / TEXT_HEIGHT, 1 / RESOLUTION / (TEXT_WIDTH * len(name)))  # of a cell, in sizes of the text
     edge = ndimage.distance_transform_edt(np.pad(inside, 1), sampling=size)[1:-1, 1:-1]
@@ -136,7 +151,7 @@ def _draw_tasks(axes: Axes, labels: pd.DataFrame, colours: Mapping[str, str]) ->
     )
 
 
-def _legend(labels: pd.DataFrame, colours: Mapping[str, str]) -> list[Patch | Line2D]:
+def _legend(labels: pd.DataFrame, entries: Mapping[str, str]) -> list[Patch | Line2D]:
     solved = labels["status"] == "solved"
     on_grid, ties = labels["split"] == "grid", labels["ties"].map(len) > 1
     kinds: tuple[tuple[str, MarkerType, int, str, bool], ...] = (
@@ -145,7 +160,7 @@ def _legend(labels: pd.DataFrame, colours: Mapping[str, str]) -> list[Patch | Li
         ("gaits tie", "o", 12, "none", bool((ties & on_grid).any())),
         ("infeasible task", "x", 7, "none", bool((~solved).any())),
     )
-    handles: list[Patch | Line2D] = [Patch(facecolor=colour, label=name) for name, colour in colours.items()]
+    handles: list[Patch | Line2D] = [Patch(facecolor=colour, label=name) for name, colour in entries.items()]
     for name, marker, size, fill, found in kinds:
         if found:
             line = Line2D(

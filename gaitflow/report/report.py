@@ -20,6 +20,7 @@ from gaitflow.report.page import Picture, Section, render_page
 from gaitflow.report.palette import gait_colours
 from gaitflow.report.state_space import draw_state_space
 from gaitflow.report.tables import (
+    check_table,
     effort_table,
     gait_table,
     infeasible_table,
@@ -29,7 +30,7 @@ from gaitflow.report.tables import (
     provenance_table,
     tie_table,
 )
-from gaitflow.report.winners import central, winners
+from gaitflow.report.winners import by_size, central, winners
 from gaitflow.scenario import Scenario
 from gaitflow.solve.solution import Solution
 
@@ -54,14 +55,13 @@ def write_report(
     are None when no classifier was trained. Raises ValueError when `labels` is empty, WriteError when the disk refuses.
     """
     regions = winners(labels, solutions)
-    largest = sorted(regions, key=lambda name: -len(regions[name]))[:MAX_GAITS]
-    shown = {name: region for name, region in regions.items() if region and name in largest}
+    shown = {name: regions[name] for name in by_size(labels)[:MAX_GAITS] if regions[name]}
+    colours = gait_colours([*gaits, *regions])
     figures = {"map": draw_gait_map(labels, gaits, select, scenario.description or scenario.name)}
     motions = {}
     if shown:
-        figures["gaits"] = draw_gait_diagrams(shown, scenario.robot.leg_names)
+        figures["gaits"] = draw_gait_diagrams(shown, scenario.robot.leg_names, colours)
         figures["state_space"] = draw_state_space(shown)
-        colours = gait_colours([*gaits, *regions])
         motions = {
             f"motion-{_slug(name, place)}": draw_motion(central(region), scenario, name, colours[name])
             for place, (name, region) in enumerate(shown.items())
@@ -71,7 +71,7 @@ def write_report(
         scenario.name,
         scenario.description,
         _highlights(labels, learning),
-        _sections(scenario, labels, solutions, learning, record, images, tuple(motions)),
+        _sections(scenario, labels, solutions, regions, learning, record, images, tuple(motions)),
     )
     files = {f"{name}.png": image for name, image in images.items()} | {PAGE: html.encode("utf-8")}
     for name, content in files.items():
@@ -88,8 +88,8 @@ def png_of(figure: Figure) -> bytes:
 
 
 def _slug(name: str, place: int) -> str:
-    # A gait without a name is called by its diagram, which is no file name.
-    return name if re.fullmatch(r"[a-z]+(-[a-z]+)*", name) else f"{place + 1}"
+    # A gait called by its diagram has no file name of its own.
+    return re.sub(r"[ /]", "-", name) if re.fullmatch(r"[a-z]+([ -][a-z]+)*( [01/]+)?", name) else f"{place + 1}"
 
 
 def _highlights(labels: pd.DataFrame, learning: Mapping[str, Any] | None) -> list[tuple[str, str]]:
@@ -112,6 +112,7 @@ def _sections(
     scenario: Scenario,
     labels: pd.DataFrame,
     solutions: Sequence[Solution],
+    regions: Mapping[str, Sequence[Solution]],
     learning: Mapping[str, Any] | None,
     record: Mapping[str, Any],
     images: Mapping[str, bytes],
@@ -121,6 +122,7 @@ def _sections(
         return tuple(Picture(images[name], name, caption) for name in names if name in images)
 
     ties, missing = tie_table(labels), infeasible_table(labels)
+    labelled = [solution for region in regions.values() for solution in region]
     tolerance = percent(scenario.learning.tie_tolerance)
     none = f"No task has gaits within {tolerance} of each other."
     judged = ("No classifier was trained.",)
@@ -155,6 +157,15 @@ def _sections(
             "Infeasible tasks",
             () if missing.rows else ("Every task has a feasible gait.",),
             table=missing,
+        ),
+        Section(
+            "Every label checked again",
+            (
+                f"{len(labelled)} of {int((labels['status'] == 'solved').sum())} labelled motions, each judged anew by "
+                "an integrator and constraints that share no code with the solver's problem; values are scaled: forces "
+                "by the robot's weight, lengths by a metre, times by the cycle.",
+            ),
+            table=check_table(scenario.as_data(), labelled),
         ),
         Section("Solves", table=effort_table(solutions)),
         Section("Provenance", table=provenance_table(record)),

@@ -16,12 +16,16 @@ from gaitflow.report.winners import counted, most_common_pattern, trajectory_of
 from gaitflow.solve.solution import Solution
 from gaitflow.trajectory import Array
 
-LABELS = (("height z [m]", "ż [m/s]"), ("pitch θ [rad]", "pitch rate [rad/s]"))
+LABELS = (
+    ("height z [m]", "ż [m/s]"),
+    ("pitch [rad]", "pitch rate [rad/s]"),
+    ("roll [rad]", "roll rate [rad/s]"),
+)
 MEAN_COLOUR = "#D1007A"
 
 
 def draw_state_space(regions: Mapping[str, Sequence[Solution]]) -> Figure:
-    """One row a gait: height against its rate and pitch against its rate, a line a task coloured by speed.
+    """One row a gait: height, pitch and in space roll, each against its rate; a line a task coloured by speed.
 
     The bold line is the region's mean, knot by knot, over the tasks that share its most common pattern: the nominal
     motion that starts an optimiser (section IV.B). Gaits without a trajectory are left out. Raises ValueError when
@@ -34,14 +38,15 @@ def draw_state_space(regions: Mapping[str, Sequence[Solution]]) -> Figure:
     shade = ScalarMappable(Normalize(min(speeds), max(speeds)), colormaps["viridis"])
     colours = dict(zip(speeds, shade.to_rgba(np.array(speeds)), strict=True))
     figure = Figure(figsize=(8.4, 0.4 + 2.1 * len(shown)), dpi=150, layout="constrained")
-    grid = figure.subplots(len(shown), 2, squeeze=False)
+    columns = max(len(planes(trajectory_of(region[0]).base)) for region in shown.values())
+    grid = figure.subplots(len(shown), columns, squeeze=False)
     for (name, region), row in zip(shown.items(), grid, strict=True):
-        for axes, plane, labels in zip(row, (0, 1), LABELS, strict=True):
+        for plane, axes in enumerate(row):
             _draw_plane(axes, region, plane, colours)
-            axes.set_xlabel(labels[0], fontsize=10)
-            axes.set_ylabel(labels[1], fontsize=10)
+            axes.set_xlabel(LABELS[plane][0], fontsize=10)
+            axes.set_ylabel(LABELS[plane][1], fontsize=10)
         row[0].set_title(name, fontsize=11, loc="left")
-        row[1].set_title(counted(len(region)), fontsize=9, loc="right", color="#555555")
+        row[-1].set_title(counted(len(region)), fontsize=9, loc="right", color="#555555")
     bar = figure.colorbar(shade, ax=grid, location="right", aspect=17 * len(shown), pad=0.02)
     bar.set_label("speed v [m/s]", fontsize=10)
     return figure
@@ -49,27 +54,30 @@ def draw_state_space(regions: Mapping[str, Sequence[Solution]]) -> Figure:
 
 def _draw_plane(axes: Axes, region: Sequence[Solution], plane: int, colours: Mapping[float, Array]) -> None:
     for solution in region:
-        x, y = height_and_pitch(trajectory_of(solution).base)[plane]
+        x, y = planes(trajectory_of(solution).base)[plane]
         axes.plot(x, y, color=colours[solution.speed], linewidth=0.9, alpha=0.8)
-    loops = [height_and_pitch(trajectory_of(solution).base)[plane] for solution in most_common_pattern(region)]
+    loops = [planes(trajectory_of(solution).base)[plane] for solution in most_common_pattern(region)]
     x, y = np.mean(loops, axis=0)
     axes.plot(x, y, color="white", linewidth=4.2)
     axes.plot(x, y, color=MEAN_COLOUR, linewidth=2.4)
     axes.tick_params(labelsize=9)
-    axes.xaxis.set_major_locator(MaxNLocator(4))
+    axes.xaxis.set_major_locator(MaxNLocator(3))
     axes.yaxis.set_major_locator(MaxNLocator(5))
+    axes.ticklabel_format(scilimits=(-2, 3), useOffset=False, useMathText=True)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.get_offset_text().set_fontsize(8)
     axes.grid(color="#e4e4e4", linewidth=0.6)
     axes.set_axisbelow(True)
 
 
-def height_and_pitch(base: Array) -> tuple[tuple[Array, Array], tuple[Array, Array]]:
-    """((z, its rate), (pitch, its rate)), each [K+1], of base states [K+1, nb] with nb = 6 or 12.
+def planes(base: Array) -> tuple[tuple[Array, Array], ...]:
+    """(z, its rate), (pitch, its rate) and in space (roll, its rate), each [K+1], of base states [K+1, nb].
 
-    In space pitch is the second of three angles, and its rate is taken as the second angular velocity.
-    Raises ValueError for another nb.
+    In space (nb = 12) the rates of pitch and roll are the second and first angular velocities in the base frame; in
+    the plane nb = 6. Raises ValueError for another nb.
     """
-    if base.shape[1] not in (6, 12):
-        raise ValueError(f"base states have {base.shape[1]} columns; 6 (plane) or 12 (space) are expected")
-    half = base.shape[1] // 2
-    position, angle = (1, 2) if half == 3 else (2, 4)
-    return (base[:, position], base[:, half + position]), (base[:, angle], base[:, half + angle])
+    if base.shape[1] == 6:
+        return (base[:, 1], base[:, 4]), (base[:, 2], base[:, 5])
+    if base.shape[1] == 12:
+        return (base[:, 2], base[:, 8]), (base[:, 4], base[:, 10]), (base[:, 5], base[:, 9])
+    raise ValueError(f"base states have {base.shape[1]} columns; 6 (plane) or 12 (space) are expected")

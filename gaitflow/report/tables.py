@@ -1,4 +1,4 @@
-"""The tables of the report, as text: gaits, ties, infeasible tasks, effort, classifiers, provenance."""
+"""The tables of the report, as text: gaits, ties, infeasible tasks, checks, effort, classifiers, provenance."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ from typing import Any
 
 import pandas as pd
 
+from gaitflow.check import FEASIBLE, violations
 from gaitflow.gaits import Pattern, diagram
 from gaitflow.report.palette import ordered_gaits
+from gaitflow.report.winners import trajectory_of
 from gaitflow.solve.solution import Solution
 
 GAP = "gap_between_knots"  # optional column of the labels: how far a step is from the continuous motion
@@ -94,6 +96,27 @@ def infeasible_table(labels: pd.DataFrame) -> Table:
 
 def _task(row: Mapping[Any, Any]) -> tuple[str, str, str]:
     return f"{row['speed']:.4g}", f"{row['cycle_duration']:.4g}", str(row["split"]).replace("_", "-")
+
+
+def check_table(scenario: Mapping[str, Any], motions: Iterable[Solution]) -> Table:
+    """Every motion checked again by `gaitflow.check`: a row a kind of constraint, its worst value and where that is.
+
+    `scenario` is `Scenario.as_data()`; values are scaled. The row of the worst kind is marked.
+    """
+    worst: dict[str, tuple[float, Solution]] = {}
+    for motion in motions:
+        found = violations(scenario, trajectory_of(motion), motion.speed, motion.cycle_duration, motion.pattern)
+        for kind, value in found.items():
+            if kind not in worst or value > worst[kind][0]:
+                worst[kind] = value, motion
+    rows = [
+        (kind, f"{value:.1e}", "yes" if value <= FEASIBLE else "NO")
+        + ((f"{at.speed:.4g}", f"{at.cycle_duration:.4g}") if value > 0 else ("–", "–"))
+        for kind, (value, at) in worst.items()
+    ]
+    values = [value for value, _ in worst.values()]
+    marked = values.index(max(values)) if values else None
+    return Table(("constraint", "worst value", f"within {FEASIBLE:g}", "v [m/s]", "T [s]"), tuple(rows), marked)
 
 
 def effort_table(solutions: Iterable[Solution]) -> Table:

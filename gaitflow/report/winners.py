@@ -34,6 +34,12 @@ def winners(labels: pd.DataFrame, solutions: Iterable[Solution]) -> dict[str, li
     return regions
 
 
+def by_size(labels: pd.DataFrame, gaits: Iterable[str] = ()) -> tuple[str, ...]:
+    """The gaits that win a task, and `gaits`, by the number of tasks they win, most first; equal ones as in legends."""
+    won = Counter(labels.loc[labels["status"] == "solved", "gait"])
+    return tuple(sorted(ordered_gaits([*won, *gaits]), key=lambda name: -won[name]))
+
+
 def _key(speed: float, cycle_duration: float, split: object, pattern: object) -> tuple[object, ...]:
     return round(speed, 9), round(cycle_duration, 9), split, pattern
 

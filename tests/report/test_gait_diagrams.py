@@ -6,7 +6,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from gaitflow.report.gait_diagrams import draw_contacts, draw_gait_diagrams
-from gaitflow.report.palette import NAMED_COLOURS
+from gaitflow.report.palette import NAMED_COLOURS, gait_colours
 
 
 def stances(axes, colour: str) -> set[tuple[float, float, float]]:
@@ -27,7 +27,7 @@ def test_bars_stand_where_the_legs_do() -> None:
 
 def test_phases_have_their_mean_durations_not_equal_widths(solution_of) -> None:
     region = [solution_of(1.5, 0.8, "gallop"), solution_of(1.1, 1.2, "gallop")]
-    figure = draw_gait_diagrams({"gallop": region}, ["F", "H"])
+    figure = draw_gait_diagrams({"gallop": region}, ["F", "H"], NAMED_COLOURS)
     (axes,) = figure.axes
     mean = np.mean([solution.trajectory.durations / solution.cycle_duration for solution in region], axis=0)
     starts = sorted(start for leg, start, _ in stances(axes, NAMED_COLOURS["gallop"]) if leg == 0)
@@ -37,11 +37,26 @@ def test_phases_have_their_mean_durations_not_equal_widths(solution_of) -> None:
 
 def test_every_gait_has_its_name_and_number_of_tasks(solution_of) -> None:
     regions = {name: [solution_of(0.5, 0.8, name)] for name in ("walking", "gallop", "bounding", "pronking")}
-    figure = draw_gait_diagrams({**regions, "gallop-bound": []}, ["F", "H"])
+    figure = draw_gait_diagrams({**regions, "gallop-bound": []}, ["F", "H"], NAMED_COLOURS)
     assert [axes.get_title(loc="left") for axes in figure.axes] == list(regions)
     assert {axes.get_title(loc="right") for axes in figure.axes} == {"1 task"}
 
 
 def test_no_trajectory_at_all_is_refused() -> None:
     with pytest.raises(ValueError, match="no gait has a stored trajectory"):
-        draw_gait_diagrams({"gallop": []}, ["F", "H"])
+        draw_gait_diagrams({"gallop": []}, ["F", "H"], NAMED_COLOURS)
+
+
+def test_a_quadrupeds_gait_has_four_bars_and_its_contacts_below_its_kind(trot) -> None:
+    other = "four-beat walk 0111/1011/1110/1101"
+    figure = draw_gait_diagrams(
+        {"walking trot": [trot], other: [trot]},
+        ["LF", "RF", "LH", "RH"],
+        gait_colours([other]) | {"walking trot": "#117733"},
+    )
+    trots, walks = figure.axes
+    assert [axes.get_title(loc="left").strip() for axes in figure.axes] == ["walking trot", "four-beat walk"]
+    assert [text.get_text() for text in walks.texts] == ["0111/1011/1110/1101"]
+    assert not trots.texts
+    assert {leg for leg, _, _ in stances(trots, "#117733")} == {0, 1, 2, 3}
+    assert [label.get_text() for label in trots.get_yticklabels()] == ["LF", "RF", "LH", "RH"]

@@ -6,7 +6,7 @@ import pytest
 from matplotlib.collections import PathCollection, QuadMesh
 from matplotlib.colors import to_rgba
 
-from gaitflow.report.gait_map import draw_gait_map
+from gaitflow.report.gait_map import MAX_NAMED, TAIL, draw_gait_map
 from gaitflow.report.palette import NAMED_COLOURS, lighter
 
 
@@ -46,7 +46,9 @@ def test_axes_have_units_and_the_legend_says_what_is_there(labels, gaits, select
     axes = axes_of(figure)
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("speed v [m/s]", "cycle duration T [s]")
     texts = legend_texts(figure)
-    assert texts[:2] == ["walking", "gallop-walk"]
+    won = labels[labels["status"] == "solved"]["gait"].value_counts()
+    counts = [won.get(name, 0) for name in texts[: len(gaits)]]
+    assert set(texts[: len(gaits)]) == set(gaits) and counts == sorted(counts, reverse=True)
     assert texts[-4:] == ["grid task", "held-out task", "gaits tie", "infeasible task"]
 
 
@@ -55,6 +57,29 @@ def test_the_legend_of_long_diagrams_is_below_the_map(map_of) -> None:
     figure = draw_gait_map(map_of(lambda v, t: "gallop").assign(gait=name), [name], None, "a map")
     figure.canvas.draw()
     assert figure.legends[0].get_window_extent().y1 < axes_of(figure).get_window_extent().y0
+
+
+def test_many_gaits_of_a_quadruped_are_numbered_and_the_smallest_regions_share_a_colour(map_of) -> None:
+    gaits = [f"four-beat walk {i:04b}/1101/1011/1110" for i in range(16)]
+    places = np.linspace(0.1, 2.3, 136)
+    wins = np.repeat(np.arange(16), np.arange(16) + 1)  # the first gait has the smallest region
+    gait_at = {round(v, 9): gaits[i] for v, i in zip(places, wins, strict=True)}
+    labels = map_of(lambda v, t: "gallop", speeds=np.array(list(gait_at)), durations=np.array([0.4, 0.8]))
+    labels["gait"] = [gait_at[round(v, 9)] for v in labels["speed"]]
+
+    def select(speeds, durations):
+        return np.array([gaits.index(gait_at[min(gait_at, key=lambda x: abs(x - v))]) for v in speeds[:300]] * 300)
+
+    figure = draw_gait_map(labels, gaits, select, "a map")
+    texts = legend_texts(figure)
+    assert texts[: MAX_NAMED + 1] == [*(f"{i}   {gaits[16 - i]}" for i in range(1, 13)), "4 other gaits"]
+    axes = axes_of(figure)
+    assert {text.get_text() for text in axes.texts} <= {str(i) for i in range(1, 13)}
+    assert len(axes.texts) > 3
+    (grid, *_) = [item for item in axes.collections if isinstance(item, PathCollection)]
+    tail = [place for place, name in zip(grid.get_facecolors(), labels["gait"], strict=True) if name in gaits[:4]]
+    assert len(tail) == 2 * (1 + 2 + 3 + 4)
+    assert {tuple(colour) for colour in tail} == {to_rgba(TAIL)}
 
 
 def test_the_legend_leaves_out_what_is_not_there(map_of, rule_4a) -> None:

@@ -5,6 +5,7 @@ import re
 from dataclasses import replace
 
 import matplotlib.image
+import pandas as pd
 import pytest
 
 from gaitflow.report.report import PAGE, png_of, write_report
@@ -53,6 +54,23 @@ def test_without_classifier_and_trajectories_there_is_a_map_and_a_page(
     paths = write_report(tmp_path, scenario, labels, bare, gaits, None, None, record)
     assert [path.name for path in paths] == ["map.png", PAGE]
     assert "No classifier was trained." in (tmp_path / PAGE).read_text(encoding="utf-8")
+
+
+def test_a_map_in_space(tmp_path, anymal, labels, trot, solved, record) -> None:
+    walk = solved(0.2, 0.8, "0111/1101/1101/0111")
+    named = [("walking trot", trot), ("four-beat walk 0111/1011/1110/1101", walk)]
+    rows = [
+        labels.iloc[0].to_dict()
+        | {"speed": one.speed, "cycle_duration": 0.8, "gait": name, "gait_key": one.gait, "pattern": one.pattern}
+        | {"cost": one.cost, "ties": [name], "label": name}
+        for name, one in named
+    ]
+    paths = write_report(tmp_path, anymal, pd.DataFrame(rows), [trot, walk], [], None, None, record)
+    motions = ["motion-walking-trot.png", "motion-four-beat-walk-0111-1011-1110-1101.png"]
+    assert {path.name for path in paths} == {"map.png", "gaits.png", "state_space.png", PAGE, *motions}
+    html = (tmp_path / PAGE).read_text(encoding="utf-8")
+    assert "<h2>Every label checked again</h2>" in html and "2 of 2 labelled motions" in html
+    assert "<td>slip in stance</td>" in html and "<td>NO</td>" not in html
 
 
 def test_a_gait_named_by_its_diagram_stays_in_the_folder(tmp_path, scenario, labels, solution_of, record) -> None:

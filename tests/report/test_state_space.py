@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 from matplotlib.colors import same_color
 
-from gaitflow.report.state_space import MEAN_COLOUR, draw_state_space, height_and_pitch
+from gaitflow.report.state_space import MEAN_COLOUR, draw_state_space, planes
 
 
 def test_columns_in_the_plane_and_in_space() -> None:
     plane = np.arange(6.0)[None]
-    assert [[float(v[0]) for v in pair] for pair in height_and_pitch(plane)] == [[1, 4], [2, 5]]
+    assert [[float(v[0]) for v in pair] for pair in planes(plane)] == [[1, 4], [2, 5]]
     space = np.arange(12.0)[None]  # x y z, yaw pitch roll, their velocities, omega x y z
-    assert [[float(v[0]) for v in pair] for pair in height_and_pitch(space)] == [[2, 8], [4, 10]]
+    assert [[float(v[0]) for v in pair] for pair in planes(space)] == [[2, 8], [4, 10], [5, 9]]
 
 
 def test_another_width_is_refused() -> None:
     with pytest.raises(ValueError, match=r"7 columns; 6 \(plane\) or 12 \(space\) are expected"):
-        height_and_pitch(np.zeros((3, 7)))
+        planes(np.zeros((3, 7)))
 
 
 def test_the_bold_line_is_the_mean_of_the_region(solution_of) -> None:
@@ -50,3 +50,12 @@ def test_one_row_a_gait(solution_of) -> None:
 def test_no_trajectory_at_all_is_refused() -> None:
     with pytest.raises(ValueError, match="no gait has a stored trajectory"):
         draw_state_space({})
+
+
+def test_a_robot_in_space_rolls_too(trot, solved) -> None:
+    region = [trot, solved(0.2, 0.8, trot.pattern)]
+    figure = draw_state_space({"walking trot": region})
+    assert [axes.get_xlabel() for axes in figure.axes[:3]] == ["height z [m]", "pitch [rad]", "roll [rad]"]
+    (mean,) = [line for line in figure.axes[2].lines if same_color(line.get_color(), MEAN_COLOUR)]
+    expected = np.mean([solution.trajectory.base[:, [5, 9]] for solution in region], axis=0)
+    np.testing.assert_allclose(mean.get_xydata(), expected)

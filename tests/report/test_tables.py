@@ -1,10 +1,13 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
+from gaitflow.check import violations
 from gaitflow.report.tables import (
+    check_table,
     effort_table,
     gait_table,
     infeasible_table,
@@ -66,6 +69,37 @@ def test_effort_counts_every_end_and_the_worst_violation(solutions) -> None:
     assert [counts[name] for name in ("solved", "infeasible", "failed", "screened")] == ["108", "1", "1", "2"]
     assert counts["worst scaled violation of a solved task"] == "3e-09"
     assert dict(effort_table([]).rows)["worst scaled violation of a solved task"] == "–"
+
+
+def test_every_motion_is_checked_again_by_kind(anymal, trot, solved) -> None:
+    other = solved(0.2, 0.8, trot.pattern)
+    table = check_table(anymal.as_data(), [trot, other])
+    rows = as_dict(table)
+    kinds = violations(anymal.as_data(), trot.trajectory, 0.3, 0.8, trot.pattern)
+    assert list(rows) == list(kinds) and len(kinds) >= 15
+    assert {row["within 1e-06"] for row in rows.values()} == {"yes"}
+    worst = max(
+        violations(anymal.as_data(), one.trajectory, one.speed, 0.8, one.pattern)["dynamics"] for one in (trot, other)
+    )
+    assert rows["dynamics"]["worst value"] == f"{worst:.1e}"
+
+
+def test_a_violation_is_found_flagged_and_placed(anymal, trot, solved) -> None:
+    """Whatever the row says of itself: one foot is moved by a millimetre in stance."""
+    feet = trot.trajectory.feet.copy()
+    feet[5, 1, 0] += 1e-3
+    slipped = replace(solved(0.2, 0.8, trot.pattern), violation=0.0)
+    broken = replace(trot, trajectory=replace(trot.trajectory, feet=feet), violation=0.0)
+    table = check_table(anymal.as_data(), [slipped, broken])
+    rows = as_dict(table)
+    assert rows["slip in stance"]["within 1e-06"] == "NO"
+    assert rows["slip in stance"]["worst value"] == "1.0e-03"
+    assert (rows["slip in stance"]["v [m/s]"], rows["slip in stance"]["T [s]"]) == ("0.3", "0.8")
+    assert rows["friction"]["within 1e-06"] == "yes"
+    assert table.rows[table.marked][2] == "NO"
+    nowhere = [row for row in rows.values() if row["worst value"] == "0.0e+00"]
+    assert nowhere and {(row["v [m/s]"], row["T [s]"]) for row in nowhere} == {("–", "–")}
+    assert check_table(anymal.as_data(), []).rows == ()
 
 
 def test_the_published_method_is_marked_and_missing_numbers_are_dashes(learning) -> None:

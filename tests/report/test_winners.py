@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from gaitflow.report.winners import central, mean_phase_fractions, most_common_pattern, trajectory_of, winners
+from gaitflow.report.winners import by_size, central, mean_phase_fractions, most_common_pattern, trajectory_of, winners
 
 
 def test_every_solved_task_finds_its_solution_in_legend_order(labels, solutions) -> None:
@@ -15,6 +15,14 @@ def test_every_solved_task_finds_its_solution_in_legend_order(labels, solutions)
     counts = labels[labels["status"] == "solved"]["gait"].value_counts()
     assert {name: len(region) for name, region in regions.items()} == counts.to_dict()
     assert all(a.speed <= b.speed for r in regions.values() for a, b in pairwise(r))
+
+
+def test_gaits_by_size_count_the_tasks_they_win(labels) -> None:
+    found = by_size(labels, ["gallop", "gallop-pronk"])
+    counts = labels[labels["status"] == "solved"]["gait"].value_counts()
+    assert [counts.get(name, 0) for name in found] == [*sorted(counts, reverse=True), 0]
+    assert found[0] == "gallop" and found[-1] == "gallop-pronk"
+    assert by_size(labels[labels["status"] != "solved"]) == ()
 
 
 def test_of_two_solves_of_one_pattern_the_cheaper_is_taken(labels, solutions) -> None:

@@ -1,0 +1,196 @@
+"use strict";
+// The robot in space on #view. One script with animation.js, which follows it and tells the time.
+
+const motion = JSON.parse(document.getElementById("motion").textContent);
+const element = (id) => document.getElementById(id);
+const view = element("view");
+const colours = motion.colours, legs = motion.legs.length, knots = motion.times.length;
+const cycle = motion.times[knots - 1];
+const CORNER = motion.planar ? [0, 0] : [0.45, 0.3];
+const FOOT_RADIUS = 5;
+
+let [azimuth, elevation] = CORNER;
+let cycles = 0; // whole cycles walked so far
+
+// --- vectors -------------------------------------------------------------------------------------------------------
+const add = (a, b) => a.map((x, i) => x + b[i]);
+const subtract = (a, b) => a.map((x, i) => x - b[i]);
+const scaled = (a, s) => a.map((x) => x * s);
+const times = (matrix, v) => matrix.map((row) => row[0] * v[0] + row[1] * v[1] + row[2] * v[2]);
+
+function rotation([yaw, pitch, roll]) { // base to world, Rz(yaw) Ry(pitch) Rx(roll)
+  const [cy, cp, cr] = [yaw, pitch, roll].map(Math.cos), [sy, sp, sr] = [yaw, pitch, roll].map(Math.sin);
+  return [
+    [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+    [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+    [-sp, cp * sr, cp * cr],
+  ];
+}
+
+function uphill([x, y, z]) { // terrain frame to a level one
+  const c = Math.cos(motion.slope), s = Math.sin(motion.slope);
+  return [c * x - s * z, y, s * x + c * z];
+}
+
+function toView(v) { // x right, y up, z towards the reader
+  const [ca, ce] = [azimuth, elevation].map(Math.cos), [sa, se] = [azimuth, elevation].map(Math.sin);
+  return times([[ca, sa, 0], [-sa * se, ca * se, ce], [sa * ce, -ca * ce, se]], v);
+}
+
+// --- the robot at a time -------------------------------------------------------------------------------------------
+function stepAt(t) {
+  let step = motion.times.findIndex((knot) => knot > t) - 1;
+  return step < 0 ? knots - 2 : step;
+}
+
+function phaseAt(t) {
+  let end = 0;
+  const phase = motion.durations.findIndex((duration) => (end += duration) > t);
+  return phase < 0 ? motion.durations.length - 1 : phase;
+}
+
+function poseAt(t) {
+  const step = stepAt(t), phase = phaseAt(t);
+  const part = (t - motion.times[step]) / Math.max(motion.times[step + 1] - motion.times[step], 1e-12);
+  const between = (values) => add(scaled(values[step], 1 - part), scaled(values[step + 1], part));
+  const angles = between(motion.angles), position = between(motion.position), turn = rotation(angles);
+  const toWorld = (v) => add(position, times(turn, v));
+  const velocity = (motion.position[step + 1][0] - motion.position[step][0]) /
+    Math.max(motion.times[step + 1] - motion.times[step], 1e-12);
+  return {
+    angles, position, toWorld, velocity,
+    hips: motion.hips.map(toWorld),
+    feet: motion.feet[step].map((foot, leg) => add(scaled(foot, 1 - part), scaled(motion.feet[step + 1][leg], part))),
+    forces: motion.forces[step],
+    standing: motion.rows.map((row) => row[phase] === "1"),
+  };
+}
+
+// --- the view ------------------------------------------------------------------------------------------------------
+function prepared(canvas, height) {
+  const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth;
+  const wanted = [Math.round(width * ratio), Math.round(height * ratio)];
+  if (canvas.width !== wanted[0] || canvas.height !== wanted[1]) [canvas.width, canvas.height] = wanted;
+  const context = canvas.getContext("2d");
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.clearRect(0, 0, width, height);
+  return [context, width, height];
+}
+
+function drawView(pose) {
+  const [context, width, height] = prepared(view, view.clientHeight);
+  const reach = Math.max(...motion.body.map((corner) => Math.hypot(corner[0], corner[1]))) + 0.5 * motion.height;
+  const scale = Math.min(width / (2.6 * reach), height / (2.1 * motion.height + 0.9 * reach * Math.sin(elevation)));
+  const centre = [pose.position[0], 0, 0.55 * motion.height];
+  const page = (point) => {
+    const [x, y, z] = toView(uphill(subtract(point, centre)));
+    return [width / 2 + scale * x, height / 2 - scale * y, z];
+  };
+  const line = (from, to, colour, thickness, dash = []) => {
+    const [a, b] = [page(from), page(to)];
+    context.strokeStyle = colour;
+    context.lineWidth = thickness;
+    context.lineCap = "round";
+    context.setLineDash(dash);
+    context.beginPath();
+    context.moveTo(a[0], a[1]);
+    context.lineTo(b[0], b[1]);
+    context.stroke();
+    context.setLineDash([]);
+  };
+
+  drawGround(pose, line, reach);
+  const items = [];
+  const depth = (...points) => points.reduce((sum, point) => sum + page(point)[2], 0) / points.length;
+  pose.hips.forEach((hip, leg) => {
+    items.push([depth(hip, pose.feet[leg]), () => drawLeg(context, page, line, hip, pose.feet[leg], pose.standing[leg])]);
+    const foot = pose.feet[leg], below = [foot[0], foot[1], 0], boxCentre = motion.defaultFeet[leg];
+    if (!motion.planar && foot[2] > 1e-3) items.push([-Infinity, () => line(foot, below, "#9a9a9a", 1, [2, 3])]);
+    if (element("boxes").checked) items.push([-Infinity, () => drawBox(pose, boxCentre, line)]);
+  });
+  const corners = motion.body.map(pose.toWorld);
+  items.push([depth(...corners), () => drawBody(context, page, corners)]);
+  items.sort((a, b) => a[0] - b[0]).forEach(([, draw]) => draw());
+  if (element("forces").checked) {
+    pose.feet.forEach((foot, leg) => {
+      const tip = add(foot, scaled(pose.forces[leg], motion.height));
+      if (pose.standing[leg]) drawArrow(context, page(foot), page(tip));
+    });
+  }
+}
+
+function drawGround(pose, line, reach) {
+  const cell = 0.25 * motion.height, far = Math.ceil((2.2 * reach) / cell), travelled = cycles * motion.advance;
+  // The base of the first cycle is drawn for ever: the floor moves below it by whole cycles instead.
+  const middle = Math.round((pose.position[0] + travelled) / cell) * cell - travelled;
+  if (motion.planar) {
+    line([middle - 4 * far * cell, 0, 0], [middle + 4 * far * cell, 0, 0], colours.ground, 1.5);
+    for (let i = -4 * far; i <= 4 * far; i++) {
+      const x = middle + i * cell;
+      line([x, 0, 0], [x - 0.4 * cell, 0, -0.4 * cell], colours.swing, 1);
+    }
+    return;
+  }
+  for (let i = -far; i <= far; i++) {
+    line([middle + i * cell, -far * cell, 0], [middle + i * cell, far * cell, 0], "#e6e6e3", 1);
+    line([middle - far * cell, i * cell, 0], [middle + far * cell, i * cell, 0], "#e6e6e3", 1);
+  }
+}
+
+function drawLeg(context, page, line, hip, foot, standing) {
+  const colour = standing ? colours.stance : colours.swing;
+  line(hip, foot, "#6b6b6b", 6);
+  line(hip, foot, colour, 4);
+  const [x, y] = page(foot);
+  context.beginPath();
+  context.arc(x, y, FOOT_RADIUS, 0, 2 * Math.PI);
+  context.fillStyle = colour;
+  context.fill();
+  context.lineWidth = 1.2;
+  context.strokeStyle = "#6b6b6b";
+  context.stroke();
+}
+
+const FACES = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
+
+function drawBody(context, page, corners) {
+  const faces = FACES.map((face) => face.map((corner) => page(corners[corner])));
+  faces.sort((a, b) => a.reduce((sum, p) => sum + p[2], 0) - b.reduce((sum, p) => sum + p[2], 0));
+  for (const face of faces) {
+    context.beginPath();
+    face.forEach(([x, y], i) => (i ? context.lineTo(x, y) : context.moveTo(x, y)));
+    context.closePath();
+    context.fillStyle = "rgba(70, 70, 70, 0.62)";
+    context.fill();
+    context.strokeStyle = colours.body;
+    context.lineWidth = 1.5;
+    context.lineJoin = "round";
+    context.stroke();
+  }
+}
+
+function drawBox(pose, centre, line) {
+  const corner = (i) => pose.toWorld(add(centre, motion.box.map((half, axis) => ((i >> axis) & 1 ? half : -half))));
+  for (let i = 0; i < 8; i++) {
+    for (let axis = 0; axis < 3; axis++) {
+      if (!((i >> axis) & 1)) line(corner(i), corner(i | (1 << axis)), "#7a8b99", 1, [3, 3]);
+    }
+  }
+}
+
+function drawArrow(context, [x0, y0], [x1, y1]) {
+  const length = Math.hypot(x1 - x0, y1 - y0);
+  if (length < 2) return;
+  const head = Math.min(9, 0.6 * length), ux = (x1 - x0) / length, uy = (y1 - y0) / length;
+  context.strokeStyle = context.fillStyle = colours.force;
+  context.lineWidth = 2.5;
+  context.beginPath();
+  context.moveTo(x0, y0);
+  context.lineTo(x1 - head * ux, y1 - head * uy);
+  context.stroke();
+  context.beginPath();
+  context.moveTo(x1, y1);
+  context.lineTo(x1 - head * ux - 0.5 * head * uy, y1 - head * uy + 0.5 * head * ux);
+  context.lineTo(x1 - head * ux + 0.5 * head * uy, y1 - head * uy - 0.5 * head * ux);
+  context.fill();
+}
