@@ -124,24 +124,64 @@ def test_a_planar_robot_is_seen_from_the_side(published) -> None:
     assert np.abs(np.array(data_of(html)["feet"])[..., 1]).max() == 0
 
 
+def browse(address: str, *options: str) -> subprocess.CompletedProcess[str]:
+    """What chromium printed; fails when the page threw or was refused anything."""
+    quiet = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--enable-logging=stderr"]
+    command = ["chromium", *quiet, "--window-size=1000,900", *options, address]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=90, check=True)
+    assert "CONSOLE" not in done.stderr, done.stderr
+    return done
+
+
+needs_browser = pytest.mark.skipif(shutil.which("chromium") is None, reason="needs the browser chromium")
+
+# A visitor: every control once, what the page says after it.
+VISIT = """
+const said = [];
+const say = () => said.push(element("state").textContent.split(" ")[2] + " " + play.textContent);
+const press = (key, where = document.body) => where.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+const picture = () => view.toDataURL();
+say();
+press("."); say();
+press(","); say();
+slider.value = "500"; slider.dispatchEvent(new Event("input")); say();
+press(" "); say();
+press(" "); say();
+const before = picture();
+press("ArrowLeft", view); const turned = picture();
+press("Home", view); const back = picture();
+element("boxes").click(); const boxes = picture();
+element("forces").click(); const bare = picture();
+document.querySelector("[data-view='0 1.5708']").click(); const above = picture();
+said.push([before !== turned, before === back, boxes !== back, bare !== boxes, above !== bare].join(" "));
+document.body.innerHTML = "";
+document.body.textContent = said.join("; ");
+"""
+
+
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("chromium") is None, reason="needs the browser chromium")
+@needs_browser
+def test_every_control_works(page, trot, tmp_path: Path) -> None:
+    file = tmp_path / "motion.html"
+    free = re.sub(r"<meta http-equiv[^>]*>", "", page)  # the page's own policy would not let a visitor's script run
+    file.write_text(free.replace("</body>", f"<script>{VISIT}</script></body>"), encoding="utf-8")
+    dom = browse(f"{file.as_uri()}#t=0.3", "--dump-dom").stdout
+    times = trot.trajectory.times
+    after = times[times > 0.3 + 1e-9][0]
+    before = times[times < after - 1e-9][-1]
+    expected = ["0.300 Play", f"{after:.3f} Play", f"{before:.3f} Play", "0.400 Play", "0.400 Pause", "0.400 Play"]
+    assert "; ".join([*expected, "true true true true true"]) in dom
+
+
+@pytest.mark.slow
+@needs_browser
 def test_a_browser_draws_it(page, tmp_path: Path) -> None:
     file = tmp_path / "motion.html"
     file.write_text(page, encoding="utf-8")
     pictures = []
     for time in (0.05, 0.3):
         target = tmp_path / f"{time}.png"
-        options = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--window-size=1000,900"]
-        command = [
-            "chromium",
-            *options,
-            "--enable-logging=stderr",
-            f"--screenshot={target}",
-            f"{file.as_uri()}#t={time}",
-        ]
-        log = subprocess.run(command, capture_output=True, text=True, timeout=90, check=True).stderr
-        assert "CONSOLE" not in log, log
+        browse(f"{file.as_uri()}#t={time}", f"--screenshot={target}")
         pictures.append(matplotlib.image.imread(target)[..., :3])
     one, two = pictures
     assert np.abs(one - two).max(axis=2).mean() > 0.005  # legs, forces and the cursor moved
