@@ -22,7 +22,7 @@ from gaitflow.problem import transcribe
 from gaitflow.problem.layout import layout_of
 from gaitflow.scenario import Scenario, Transcription
 from gaitflow.solve import guess
-from gaitflow.solve.nlp import FixedGaitSolver, Start
+from gaitflow.solve.nlp import IPOPT, FixedGaitSolver, Start
 
 SCENARIOS = ("half-cheetah-flat-vibration", "anymal-flat-vibration")
 SIZES = tuple(product((4, 6, 8), (5, 10, 20)))  # phases, knots per phase
@@ -32,7 +32,8 @@ NOTES = (
     "stance a leg, up to where the cycle is cut and, where the robot has a mirror image, left and right; counted by "
     "Burnside's lemma. patterns_any_stances: without that restriction.",
     "cpu_s_median, cpu_s_p90, iterations_median: of one cold solve, from the nominal glide, of random patterns in "
-    "which every leg stands once and swings once, feasible or not. feasible: the share that our check confirms. "
+    "which every leg stands once and swings once, feasible or not, given up after "
+    f"{IPOPT['max_iter']} iterations. feasible: the share that our check confirms. "
     "cpu_s_per_solved: all CPU time over the feasible ones. exhaustive_cpu_h: patterns times the mean CPU time, [h].",
     "cpu_s_per_labelled_task: of the scenario's own map, at the size at which it was made, from `gaitflow bench map`; "
     "null elsewhere.",

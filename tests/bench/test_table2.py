@@ -1,19 +1,29 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from tiny_map import Solved, linear_classifier
 
+from gaitflow.artifact import Parts, publish
 from gaitflow.bench import minlp
 from gaitflow.bench.fixed_gait import METHODS, scenario_of
 from gaitflow.bench.table2 import run
+from gaitflow.gait_names import gait_name
+from gaitflow.gaits import Pattern, gait_of
+from gaitflow.problem import transcribe
 from gaitflow.scenario import Scenario
+from gaitflow.solve.guess import nominal
+from gaitflow.solve.nlp import FixedGaitSolver, Start
 
 
-def guided(scenario: Scenario) -> Scenario:
-    return scenario.model_copy(update={"strategy": scenario.strategy.model_copy(update={"name": "guided"})})
+def guided(scenario: Scenario, **strategy: Any) -> Scenario:
+    changes = {"name": "guided"} | strategy
+    return scenario.model_copy(update={"strategy": scenario.strategy.model_copy(update=changes)})
 
 
 def test_the_scenarios_own_search_is_the_reference(pristine: Path, tmp_path: Path, planted: Any) -> None:
@@ -50,3 +60,41 @@ def test_long_runs_of_another_problem_are_refused(pristine: Path, tmp_path: Path
     long_runs["rows"][0]["problem"] = "0" * 64
     with pytest.raises(ValueError, match="gaitflow bench minlp --scenario quickstart` again"):
         run(scenario, pristine, long_runs, tasks=1, runs=tmp_path)
+
+
+@pytest.fixture(scope="module")
+def quadruped(spatial: Scenario, parts: Parts, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A published map in space: a walk below 0.5 m/s, a trot above."""
+    hurried = spatial.strategy.model_copy(update={"solve_time_limit": 1.0})  # the big-M form may need it all
+    problem = transcribe(spatial.model_copy(update={"strategy": hurried}))
+    solver = FixedGaitSolver(problem, 20.0)
+    starts = []
+    walk, trot = "0111/1101/1110/1011", "0011/1100/1100/0011"
+    for text, speed, cycle in ((walk, 0.3, 0.8), (trot, 0.6, 0.7)):
+        glide = Start("nominal", nominal(spatial.robot, problem.layout, speed, cycle))
+        done = solver.solve(Pattern.from_text(text), speed, cycle, glide)
+        assert done.feasible
+        name = gait_name(gait_of(Pattern.from_text(text), spatial.robot.mirror_permutation), spatial.robot.leg_names)
+        starts.append(Solved(name, text, done.w, done.multipliers.bounds, done.multipliers.rows))
+    feasible = np.ones((spatial.tasks.speed.count, spatial.tasks.cycle_duration.count), dtype=bool)
+    classifier = linear_classifier([-5.0, 5.0], [2.5, -2.5])
+    changed = {"problem": problem, "starts": starts, "classes": [start.gait for start in starts], "feasible": feasible}
+    return publish(
+        tmp_path_factory.mktemp("models"), replace(parts, classifier=classifier, metrics={}, **changed), "1.0.0"
+    )
+
+
+def test_a_real_table_in_space(spatial: Scenario, quadruped: Path, tmp_path: Path) -> None:
+    searched = guided(spatial, budget=6, restarts=1)
+    done = run(searched, quadruped, tasks=1, seed=2, runs=tmp_path)
+    rows = {row["method"]: row for row in done["rows"]}
+    assert list(rows) == ["guided", *METHODS]
+    assert rows["guided"]["successful"] and rows["guided"]["violation"] <= 1e-6
+    assert len({rows[method]["pattern"] for method in METHODS}) == 1
+    for method in ("bounds_mean", "bounds_mean_dual"):
+        assert rows[method]["successful"] and rows[method]["violation"] <= 1e-6, method
+    assert rows["bounds_mean"]["cost"] == pytest.approx(rows["bounds_mean_dual"]["cost"], rel=1e-3)
+    for method in METHODS:
+        told = done["summary"][method]
+        assert {"time_mean_s", "time_std_s", "successful", "consistent", "runs"} <= set(told)
+        assert 0 < told["time_mean_s"] < 10, method
