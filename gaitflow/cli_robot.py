@@ -10,6 +10,7 @@ import click
 
 from gaitflow.cli_errors import bad_input, print_json
 from gaitflow.config import ConfigError
+from gaitflow.robots.description import label_of
 from gaitflow.workspace import Workspace
 
 
@@ -49,7 +50,6 @@ def import_(workspace: Workspace, /, urdf: Path, output: Path | None, as_json: b
     Example: gaitflow robot import anymal.urdf --name anymal_b --feet LF_FOOT,RF_FOOT,LH_FOOT,RH_FOOT
              gaitflow robot import my.urdf --name mine --feet A,B,C,D --pose A_hip=0,A_thigh=0.8,A_calf=-1.6,...
     """
-    from gaitflow.robots.description import label_of
     from gaitflow.robots.importing import Request, import_robot
     from gaitflow.robots.write import write_robot
 
@@ -78,7 +78,7 @@ def _given(options: dict[str, Any]) -> str:
     for key, value in options.items():
         if value is None or value == default.get(key):
             continue
-        parts += [f"--{key.replace('_', '-')}", value.name if isinstance(value, Path) else str(value)]
+        parts += [f"--{key.replace('_', '-')}", label_of(value) if isinstance(value, Path) else str(value)]
     return shlex.join(parts)
 
 

@@ -32,6 +32,7 @@ EXTRAS = {
     "execute/": ("solve", "workflow"),
     "learn/": ("solve", "learn"),
     "report/": ("solve", "workflow", "report"),
+    "robots/": ("robots",),
 }
 
 
@@ -57,8 +58,8 @@ def _names(requirements: list[Requirement]) -> set[str]:
 
 @cache
 def _owners() -> Mapping[str, list[str]]:
-    """Distributions by the module they install; slow to find out."""
-    return packages_distributions()
+    """Distributions by the module they install; slow to find out. pin's modules lie below a prefix of their own."""
+    return {**packages_distributions(), "pinocchio": ["pin"]}
 
 
 def _third_party_imports(file: Path) -> set[str]:
