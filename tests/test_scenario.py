@@ -105,7 +105,11 @@ def test_the_scenarios_of_the_paper() -> None:
         ("transcription.phases", 1000, "transcription.phases = 1000: Input should be less than or equal to 12"),
         ("transcription.integrator", "rk5", "transcription.integrator = 'rk5': Input should be 'euler' or 'rk4'"),
         ("stances_per_leg", 2, "stances_per_leg = 2: Input should be 1 or null"),
-        ("strategy.name", "genetic", "strategy.name = 'genetic': Input should be 'patterns', 'guided', 'bonmin' or 'fixed_gait'"),
+        (
+            "strategy.name",
+            "genetic",
+            "strategy.name = 'genetic': Input should be 'patterns', 'guided', 'bonmin' or 'fixed_gait'",
+        ),
         ("strategy.restarts", 0, "strategy.restarts = 0: Input should be greater than or equal to 1"),
         ("strategy.restarts", True, "strategy.restarts = True: Input should be a valid integer"),
         (

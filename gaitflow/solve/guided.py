@@ -21,13 +21,14 @@ from gaitflow.scenario import Scenario
 from gaitflow.solve import guess
 from gaitflow.solve.attempts import best_of, leaders, recheck, screened, solution, until_feasible
 from gaitflow.solve.bound import ruled_out
-from gaitflow.solve.moves import doubled, library, neighbours
+from gaitflow.solve.moves import doubled, library, neighbours, repeated
 from gaitflow.solve.nlp import Attempt, FixedGaitSolver, Start
 from gaitflow.solve.patterns import RECHECKED_GAITS
 from gaitflow.solve.solution import Solution
 from gaitflow.task import Task
 
-COARSENESS = 0.4  # share of the knots in a phase that a probe has
+COARSENESS = 0.4  # share of the knots in a phase that a probe has, if that is at least LEAST_KNOTS
+LEAST_KNOTS = 3
 EXPANDED = 4  # best patterns whose moves are all tried
 FINALISTS = 15  # patterns solved on the scenario's mesh
 PROMISING = 1.4  # a finalist's coarse cost over the best one: a coarse mesh adds 5 to 45 %, not the same to all
@@ -51,8 +52,8 @@ def solve_guided(scenario: Scenario, tasks: Sequence[Task]) -> list[Solution]:
 
 def coarse(scenario: Scenario) -> Scenario:
     """The scenario on the mesh of the probes."""
-    knots = max(2, round(COARSENESS * scenario.transcription.knots_per_phase))
-    return _transcribed(scenario, knots_per_phase=knots)
+    knots = scenario.transcription.knots_per_phase
+    return _transcribed(scenario, knots_per_phase=min(knots, max(LEAST_KNOTS, round(COARSENESS * knots))))
 
 
 def halved(scenario: Scenario) -> Scenario:
@@ -125,15 +126,21 @@ class _Search:
         return sorted(self.solved, key=lambda pattern: (self.solved[pattern].cost, pattern))
 
     def _seeds(self, task: Task) -> list[Pattern]:
-        """Where the search begins: the gait library, or what half as many phases can do best."""
+        """Where the search begins: the gait library, or what half as many phases do best; and two strides a cycle."""
+        phases, twice = self.scenario.transcription.phases, list[Pattern]()
+        if self.scenario.stances_per_leg is None and phases % 2 == 0:
+            twice = [repeated(pattern) for pattern in self._library(phases // 2)]
         if self.half is None:
-            settings = self.scenario.transcription
-            return list(library(len(self.scenario.robot.legs), settings.phases, self.mirror))
+            return [*self._library(phases), *twice]
         explored = _Explored()
         seeds = [*self.half._known(), *self.half._seeds(task)]
         self.half._explore(task, seeds, explored, math.inf)
         self.half.probes = explored.probes
-        return [representative(doubled(pattern), self.mirror) for pattern in self.half._finalists(explored)]
+        best = [doubled(pattern) for pattern in self.half._finalists(explored)]
+        return [representative(pattern, self.mirror) for pattern in [*best, *twice]]
+
+    def _library(self, phases: int) -> tuple[Pattern, ...]:
+        return library(len(self.scenario.robot.legs), phases, self.mirror)
 
     def _known(self) -> list[Pattern]:
         """The promising patterns of the last task."""

@@ -42,6 +42,11 @@ def doubled(pattern: Pattern) -> Pattern:
     return Pattern(tuple("".join(digit * 2 for digit in row) for row in pattern.rows))
 
 
+def repeated(pattern: Pattern) -> Pattern:
+    """The contact schedule twice over: two strides a cycle."""
+    return Pattern(tuple(row * 2 for row in pattern.rows))
+
+
 def _allowed(pattern: Pattern, stances_per_leg: int | None) -> bool:
     return stances_per_leg is None or all(pattern.touchdowns(leg) == stances_per_leg for leg in range(pattern.legs))
 

@@ -94,7 +94,8 @@ def test_half_the_phases_have_the_same_mesh(anymal: Scenario) -> None:
     eight = anymal.model_copy(update={"transcription": anymal.transcription.model_copy(update=settings)})
     four = halved(eight).transcription
     assert (four.phases, four.knots_per_phase, four.min_phase_fraction) == (4, 10, 0.2)
-    assert coarse(eight).transcription.knots_per_phase == 2
+    assert coarse(eight).transcription.knots_per_phase == 3
+    assert coarse(four := halved(eight)).transcription.knots_per_phase == 4, four
 
 
 def test_eight_phases_begin_with_what_four_can_do(effort: Scenario) -> None:

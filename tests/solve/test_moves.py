@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gaitflow.gaits import Pattern, all_patterns, can_move, gait_of, representative
-from gaitflow.solve.moves import doubled, library, neighbours
+from gaitflow.solve.moves import doubled, library, neighbours, repeated
 
 MIRROR = (1, 0, 3, 2)
 ONE_STANCE = all_patterns(4, 4, 1, MIRROR)
@@ -71,3 +71,10 @@ def test_doubling_keeps_the_gait(pattern: Pattern) -> None:
     twice = doubled(pattern)
     assert twice.phases == 8
     assert gait_of(twice, MIRROR) == gait_of(pattern, MIRROR)
+
+
+@given(patterns)
+def test_repeating_makes_two_strides(pattern: Pattern) -> None:
+    twice = repeated(pattern)
+    assert twice.phases == 8
+    assert all(twice.touchdowns(leg) == 2 * pattern.touchdowns(leg) for leg in range(4))
