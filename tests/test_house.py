@@ -23,7 +23,7 @@ MEGABYTE = 1_000_000
 # Imported by nothing, run as a program.
 PROGRAMS = {"snakemake"}
 # What a planner imports; the rest of the package belongs to map makers.
-THIN = ("gaits.py", "check.py", "trajectory.py", "runtime/")
+THIN = ("gaits.py", "gait_names.py", "check.py", "trajectory.py", "runtime/")
 # The extras that a part of the package may count on, beside the base install.
 EXTRAS = {
     "problem/": ("solve",),

@@ -22,6 +22,7 @@ LABELS = (
     ("roll [rad]", "roll rate [rad/s]"),
 )
 MEAN_COLOUR = "#D1007A"
+LONG_NAME = 24  # characters; a longer one would run into the next panel
 
 
 def draw_state_space(regions: Mapping[str, Sequence[Solution]]) -> Figure:
@@ -45,7 +46,7 @@ def draw_state_space(regions: Mapping[str, Sequence[Solution]]) -> Figure:
             _draw_plane(axes, region, plane, colours)
             axes.set_xlabel(LABELS[plane][0], fontsize=10)
             axes.set_ylabel(LABELS[plane][1], fontsize=10)
-        row[0].set_title(name, fontsize=11, loc="left")
+        row[0].set_title(name, fontsize=11 if len(name) <= LONG_NAME else 8, loc="left")
         row[-1].set_title(counted(len(region)), fontsize=9, loc="right", color="#555555")
     bar = figure.colorbar(shade, ax=grid, location="right", aspect=17 * len(shown), pad=0.02)
     bar.set_label("speed v [m/s]", fontsize=10)
