@@ -2,14 +2,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from gaitflow.dataset import units as module
 from gaitflow.dataset.tasks import tasks_of
-from gaitflow.dataset.units import Unit, plan_units, source_digest
-from gaitflow.scenario import Scenario
+from gaitflow.dataset.units import Unit, plan_exhaustive, plan_units, source_digest
+from gaitflow.scenario import Scenario, digest_of, load_scenario
 
 Edit = Callable[[dict[str, Any]], Any]
 
@@ -138,3 +139,50 @@ def test_code_version_is_part_of_the_digest(scenario: Scenario, monkeypatch: pyt
     before = digests(scenario)
     monkeypatch.setattr(module, "solver_version", lambda: {"code": "other", "casadi": "0"})
     assert not before & digests(scenario)
+
+
+GOLDEN = [
+    ("quickstart", {}, 5, "57e9e6d52d27d53f", "4cf1069766c385a3"),
+    ("half-cheetah-slope20-vibration", {}, 21, "c47eb94b596acd14", "229bc441dfa0e237"),
+    ("anymal-flat-vibration", {}, 19, "2552741bf351a630", "4397c605d85eec1c"),
+    ("quickstart", {"name": "bonmin", "restarts": 7}, 60, "f3b1d1aa45e4b8da", "b8d5c6937f9d9ffc"),
+    ("quickstart", {"name": "fixed_gait", "pattern": "0110/1100"}, 5, "4833ccdd03f71e25", "b25187cc6065cb2f"),
+]
+
+
+def shipped(checkout: Path, name: str, strategy: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> Scenario:
+    """A scenario of the project, planned with a solver's version that never changes."""
+    monkeypatch.setattr(module, "solver_version", lambda: {"code": "0" * 64, "casadi": "3.8.0"})
+    data = load_scenario(checkout / f"configs/scenarios/{name}.yaml").as_data()
+    data["strategy"] |= strategy
+    return Scenario.from_data(data, name)
+
+
+@pytest.mark.parametrize(("name", "strategy", "count", "first", "together"), GOLDEN)
+def test_names_of_stored_units_never_change(
+    checkout: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    name: str,
+    strategy: dict[str, Any],
+    count: int,
+    first: str,
+    together: str,
+) -> None:
+    """These digests name files in stores that exist: another one here means that all is solved again."""
+    units = plan_units(shipped(checkout, name, strategy, monkeypatch))
+    assert (len(units), units[0].digest[:16]) == (count, first)
+    assert digest_of([unit.digest for unit in units])[:16] == together
+
+
+def test_names_of_the_certificate_s_units_never_change(checkout: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scenario = shipped(checkout, "quickstart", {}, monkeypatch)
+    slow, fast = plan_units(scenario)[0].tasks[:2]
+    units = plan_exhaustive(scenario, {slow: 12.5, fast: 1e-7}, 3)
+    assert digest_of([unit.digest for unit in units])[:16] == "8b319b45905e57cd"
+
+
+def test_a_unit_s_name_is_the_digest_of_its_data(checkout: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, strategy, *_ in GOLDEN:
+        for unit in plan_units(shipped(checkout, name, strategy, monkeypatch)):
+            assert unit.digest == digest_of(unit.as_data())
+            assert Unit.from_data(json.loads(json.dumps(unit.as_data()))).digest == unit.digest
