@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +19,7 @@ from gaitflow.workspace import Run, Workspace
 if TYPE_CHECKING:
     import pandas as pd
 
+    from gaitflow.execute.profile import Profile
     from gaitflow.execute.run import RunState
     from gaitflow.report.claims import Claim
     from gaitflow.runtime import Plan
@@ -44,18 +45,40 @@ class PublishedRun:
     model: Path
 
 
-def solve(workspace: Workspace, scenario: Scenario, workers: int) -> tuple[RunState, Path]:
-    """Solve every unit that the store lacks on a local Dask cluster and collect them into one file."""
+def solve(
+    workspace: Workspace, scenario: Scenario, workers: int, profile: Profile | None = None
+) -> tuple[RunState, Path]:
+    """Solve every unit that the store lacks and collect them into one file.
+
+    On `workers` processes of this machine, or with a profile on the jobs of a Slurm cluster.
+    """
     from gaitflow.dataset.collect import collect
     from gaitflow.dataset.store import UnitStore
     from gaitflow.dataset.units import plan_units
     from gaitflow.execute.local import local_client
     from gaitflow.execute.progress import progress
     from gaitflow.execute.run import run_units
+    from gaitflow.execute.solver import time_limit
 
-    store = UnitStore(workspace.run(scenario).folder)
+    store, units = UnitStore(workspace.run(scenario).folder), plan_units(scenario)
     with progress(scenario.name) as on_event:
-        state = run_units(plan_units(scenario), store, lambda: local_client(workers), on_event)
+        latest: list[RunState] = []
+
+        def remember(state: RunState) -> None:
+            latest[:] = [state]
+            on_event(state)
+
+        def tell(note: str) -> None:
+            on_event(replace(latest[0], notes=(note,)))
+
+        def open_client() -> AbstractContextManager[Any]:
+            if profile is None:
+                return local_client(workers)
+            from gaitflow.execute.slurm import slurm_client
+
+            return slurm_client(profile, store.folder, max(time_limit(unit) for unit in units), tell)
+
+        state = run_units(units, store, open_client, remember)
     return state, collect(store, scenario)
 
 
