@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import functools
+import json
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,8 +16,8 @@ import pyarrow.parquet as pq
 from gaitflow.dataset.provenance import dataset_record, read_record
 from gaitflow.dataset.read import FILE_NAME
 from gaitflow.dataset.schema import HEAVY, SCALARS, Sizes, solution_schema
-from gaitflow.dataset.seal import check_seal
-from gaitflow.dataset.store import DamagedPart, UnitStore, write_sealed
+from gaitflow.dataset.seal import check_seal, write_sealed
+from gaitflow.dataset.store import DamagedPart, UnitStore
 from gaitflow.dataset.units import Unit, plan_units
 from gaitflow.files import new_file
 from gaitflow.scenario import Scenario
@@ -24,6 +26,8 @@ ORDER = ["split", "cycle_duration", "speed", "pattern", "seed", "start"]
 TASK = ["split", "cycle_duration", "speed"]
 ROWS_PER_GROUP = 2000  # rows held in memory at a time
 OPEN_PARTS = 8
+TABLES_AT_ONCE = 1000
+MAKERS = ("made_by", "solver_options")  # what a dataset's record keeps of those of its parts
 
 
 class NotComplete(ValueError):
@@ -48,8 +52,8 @@ def collect(store: UnitStore, scenario: Scenario) -> Path:
             f"The first: {next(iter(damaged.values()))}"
         )
     try:
-        rows = _scalars(store, units).sort_values(ORDER, kind="stable", ignore_index=True)
-        records = [read_record(pq.read_metadata(store.path(unit.digest)).metadata, unit.digest) for unit in units]
+        table, records = _scalars(store, units)
+        rows = table.to_pandas().sort_values(ORDER, kind="stable", ignore_index=True)
         target = store.folder / FILE_NAME
         read = functools.lru_cache(maxsize=OPEN_PARTS)(lambda index: store.read(units[index]))
         schema = solution_schema(Sizes.of(scenario))
@@ -85,13 +89,22 @@ def thin(collected: Path, target: Path, keep_trajectories: int) -> Path:
     return target
 
 
-def _scalars(store: UnitStore, units: Sequence[Unit]) -> pd.DataFrame:
-    """Scalar columns of all rows, with where each row is: `unit` (index) and `row` in its part."""
-    frames = []
+def _scalars(store: UnitStore, units: Sequence[Unit]) -> tuple[pa.Table, list[dict[str, Any]]]:
+    """Scalar columns of all rows, with where each row is: `unit` (index) and `row` in its part; what made the parts.
+
+    Of the parts' records only those that differ in who made them how: one a part would not fit into memory.
+    """
+    tables, makers = [], dict[str, dict[str, Any]]()
     for index, unit in enumerate(units):
-        frame = store.read(unit, columns=list(SCALARS)).to_pandas()
-        frames.append(frame.assign(unit=index, row=np.arange(len(frame))))
-    return pd.concat(frames, ignore_index=True)
+        table, record = store.read_with_record(unit, columns=list(SCALARS))
+        made = {key: record[key] for key in MAKERS}
+        makers[json.dumps(made, sort_keys=True)] = made
+        places = pa.array(np.full(len(table), index)), pa.array(np.arange(len(table)))
+        table = table.replace_schema_metadata().append_column("unit", places[0]).append_column("row", places[1])
+        tables.append(table)
+        if len(tables) == TABLES_AT_ONCE:  # a table has a price beside that of its rows
+            tables = [pa.concat_tables(tables).combine_chunks()]
+    return pa.concat_tables(tables), list(makers.values())
 
 
 def _cheapest(rows: pd.DataFrame, number: int) -> pd.Series:

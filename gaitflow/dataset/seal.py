@@ -7,9 +7,16 @@ whole file with the entry's 64 digits read as zeros: written as zeros, computed,
 from __future__ import annotations
 
 import hashlib
+import json
 import re
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from gaitflow.dataset.provenance import KEY as RECORD
 
 KEY = "gaitflow.seal"
 MARK = "gaitflow-sha256:"
@@ -23,6 +30,16 @@ class BrokenSeal(ValueError):
     """A file is truncated, not Parquet, or not the bytes that were sealed."""
 
 
+def write_sealed(file: BinaryIO, schema: pa.Schema, tables: Iterable[pa.Table], record: Mapping[str, Any]) -> None:
+    """Write tables of one schema as one sealed Parquet file with its record (zstd, page checksums)."""
+    writer = pq.ParquetWriter(file, schema, compression="zstd", write_page_checksum=True)
+    with writer:
+        for table in tables:
+            writer.write_table(table)
+        writer.add_key_value_metadata({RECORD.decode(): json.dumps(record, sort_keys=True), KEY: BLANK})
+    seal(file)
+
+
 def seal(file: BinaryIO) -> None:
     """Set the seal of a complete Parquet file that carries `KEY: BLANK` in its metadata; open for reading, writing."""
     start = _find(file)
@@ -34,11 +51,16 @@ def seal(file: BinaryIO) -> None:
 def check_seal(path: Path) -> None:
     """Raise BrokenSeal unless the file is, byte by byte, what was sealed. Raises OSError when it cannot be read."""
     with open(path, "rb") as file:
-        start = _find(file)
-        expected = _digest(file, start)
-        file.seek(start)
-        if file.read(64) != expected.encode():
-            raise BrokenSeal(f"{path}: damaged: its bytes do not match its seal")
+        check_open(file, str(path))
+
+
+def check_open(file: BinaryIO, name: str) -> None:
+    """`check_seal` of a file, or of bytes in memory, that is open for reading; `name` is what an error calls it."""
+    start = _find(file)
+    expected = _digest(file, start)
+    file.seek(start)
+    if file.read(64) != expected.encode():
+        raise BrokenSeal(f"{name}: damaged: its bytes do not match its seal")
 
 
 def _find(file: BinaryIO) -> int:

@@ -19,6 +19,7 @@ from types import FrameType
 from distributed import Client, Future, wait
 
 from gaitflow.dataset.attempts import MAX_ATTEMPTS
+from gaitflow.dataset.checked import validate_changed
 from gaitflow.dataset.store import UnitStore
 from gaitflow.dataset.units import Unit
 from gaitflow.execute.receipt import Receipt
@@ -68,18 +69,22 @@ def run_units(
     window: int | None = None,
     solve: str = SOLVE,
 ) -> RunState:
-    """Solve every unit that the store lacks, then check all parts and solve damaged ones again.
+    """Solve every unit that the store lacks, then check all new parts and solve damaged ones again.
 
+    Parts that an earlier run found sound, in files that did not change since, are not read again; `collect` reads all.
     `open_client` makes a cluster and a client for the length of a block, such as `local_client`; it is not called
     when nothing is missing. `window` bounds the units submitted at a time (default: 3 a worker). `on_event` hears of
     every change. Ctrl-C and SIGTERM end the run cleanly with RunStopped. Raises RunFailed when no unit can be stored.
     """
     store.remove_leftovers()
+    notes = [f"damaged pack, its units will be solved again: {reason}" for reason in store.set_aside_damaged_packs()]
     for _ in range(MAX_ROUNDS):
         stored = store.solved()
         failed = store.attempts.given_up() & stored
         missing = [unit for unit in units if unit.digest not in stored]
         count = _Count(units, stored, failed, on_event)
+        if notes:
+            count.tell(*notes)
         if missing:
             # In random order the time left is estimated from a fair sample, and two runs on one store seldom meet.
             random.shuffle(missing)
@@ -90,10 +95,10 @@ def run_units(
                     f"stopped: {count.state.total - count.state.left} of {count.state.total} units are stored in "
                     f"{store.folder}; run the same command again to go on"
                 )
-        damaged = store.validate_all(units)
+        damaged = validate_changed(store, units)
         if not damaged:
             return count.state
-        count.tell(*(f"damaged part, will be solved again: {reason}" for reason in damaged.values()))
+        notes = [f"damaged part, will be solved again: {reason}" for reason in damaged.values()]
     raise RunFailed(f"{store.folder}: parts were damaged {MAX_ROUNDS} times in a row; check that disk")
 
 

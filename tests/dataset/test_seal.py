@@ -5,8 +5,7 @@ from pathlib import Path
 import pyarrow as pa
 import pytest
 
-from gaitflow.dataset.seal import BrokenSeal, check_seal
-from gaitflow.dataset.store import write_sealed
+from gaitflow.dataset.seal import BrokenSeal, check_seal, write_sealed
 
 
 @pytest.fixture

@@ -12,7 +12,8 @@ import pytest
 
 from gaitflow.dataset.provenance import read_record
 from gaitflow.dataset.schema import Sizes, solutions_to_table, table_to_solutions
-from gaitflow.dataset.store import DamagedPart, UnitStore, write_sealed
+from gaitflow.dataset.seal import write_sealed
+from gaitflow.dataset.store import DamagedPart, UnitStore
 from gaitflow.dataset.units import Unit
 from gaitflow.files import WriteError
 from gaitflow.solve.solution import Solution
