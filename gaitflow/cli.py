@@ -10,6 +10,8 @@ try:
     import click
 
     from gaitflow import stages
+    from gaitflow.cli_cluster import cancel, doctor, submit
+    from gaitflow.cli_compact import compact
     from gaitflow.cli_errors import bad_input, fail, print_json
     from gaitflow.cli_robot import robot
     from gaitflow.cli_show import show
@@ -87,23 +89,34 @@ def run(workspace: Workspace, scenario: str, workers: int, dry_run: bool) -> Non
 @main.command()
 @scenario_argument
 @workers_option
+@click.option(
+    "--profile",
+    "profile_file",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Solve on the jobs of a Slurm cluster instead, such as slurm/profiles/centre-48h.yaml.",
+)
 @click.pass_obj
-def solve(workspace: Workspace, scenario: str, workers: int) -> None:
+def solve(workspace: Workspace, scenario: str, workers: int, profile_file: Path | None) -> None:
     """Solve every task of SCENARIO that is not stored yet, on WORKERS processes of this machine.
 
-    Stop it with Ctrl-C; the same command goes on where it stopped.
+    With --profile the workers are Slurm jobs, driven from here. Stop it with Ctrl-C; the same command goes on where it
+    stopped.
 
     \b
     Example: gaitflow solve quickstart --workers 2
     """
     from gaitflow.dataset.collect import NotComplete
+    from gaitflow.execute.drivers import DriverAlive
+    from gaitflow.execute.jobs import SlurmError
+    from gaitflow.execute.profile import load_profile
     from gaitflow.execute.run import RunFailed, RunStopped
 
     with bad_input():
         resolved = workspace.scenario(scenario)
         try:
-            state, path = stages.solve(workspace, resolved, workers)
-        except (RunFailed, RunStopped, NotComplete) as error:
+            profile = None if profile_file is None else load_profile(profile_file)
+            state, path = stages.solve(workspace, resolved, workers, profile)
+        except (RunFailed, RunStopped, NotComplete, DriverAlive, SlurmError) as error:
             fail(str(error))
     click.echo(f"{state.solved} units solved, {state.failed} given up: {path}")
 
@@ -131,6 +144,10 @@ def status(workspace: Workspace, scenario: str, as_json: bool) -> None:
         f"{state.scenario}: {state.units} units: {state.solved} solved, {state.failed} failed, {state.left} left"
     )
     click.echo(f"CPU hours: {state.cpu_hours_spent:.3f} spent, {left} left; {state.quarantined} parts in quarantine")
+    if state.jobs is not None:
+        click.echo(f"jobs: {state.jobs}")
+    if state.logs is not None:
+        click.echo(f"logs: {state.logs}")
     for attempt in state.errors:
         click.echo(f"  {attempt}")
 
@@ -378,8 +395,12 @@ def quality(data: dict[str, Any]) -> str:
     )
 
 
+main.add_command(compact)
+main.add_command(cancel)
+main.add_command(doctor)
 main.add_command(robot)
 main.add_command(show)
+main.add_command(submit)
 
 if __name__ == "__main__":
     main()

@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from gaitflow.report.claims import Claim
     from gaitflow.runtime import Plan
 
+GUIDED_REMARK = (
+    "the search was guided: a pick counts as infeasible where it was not solved at that task, be it for want of a motion "
+    "or because a probe was too dear to go on with; regret is over the other picks"
+)
 KEPT_GAITS = 3  # cheapest gaits of a task that keep their trajectory in a published dataset
 
 PLAN_KEYS = (
@@ -57,8 +61,7 @@ def solve(
     from gaitflow.dataset.units import plan_units
     from gaitflow.execute.local import local_client
     from gaitflow.execute.progress import progress
-    from gaitflow.execute.run import run_units
-    from gaitflow.execute.solver import time_limit
+    from gaitflow.execute.run import longest_unit_s, run_units
 
     store, units = UnitStore(workspace.run(scenario).folder), plan_units(scenario)
     with progress(scenario.name) as on_event:
@@ -76,7 +79,7 @@ def solve(
                 return local_client(workers)
             from gaitflow.execute.slurm import slurm_client
 
-            return slurm_client(profile, store.folder, max(time_limit(unit) for unit in units), tell)
+            return slurm_client(profile, store.folder, longest_unit_s(units), tell)
 
         state = run_units(units, store, open_client, remember)
     return state, collect(store, scenario)
@@ -112,6 +115,8 @@ def train(workspace: Workspace, scenario: Scenario, constant: bool) -> dict[str,
     labels, costs = pd.read_parquet(run.labels), pd.read_parquet(run.gait_costs)
     training = train_all(labels, costs, scenario.learning, constant)
     data = training.as_data()
+    if scenario.strategy.name == "guided":
+        data["remarks"] = [*data["remarks"], GUIDED_REMARK]
     atomic_write(run.classifier, training.onnx)
     write_json(run.learning, data)
     return data
