@@ -45,6 +45,23 @@ def steady(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | N
     ]
 
 
+def paced(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+    """`steady`, in the seconds that the file `pace` says; it may change during a solve."""
+    pace, begin = Path(os.environ["FAKE_FOLDER"], "pace"), time.monotonic()
+    while time.monotonic() - begin < float(pace.read_text()):
+        time.sleep(0.05)
+    return steady(scenario, tasks, seeds)
+
+
+def hangs_first(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+    """Whoever is first does not come back; `paced` from then on."""
+    try:
+        Path(os.environ["FAKE_FOLDER"], "hangs").touch(exist_ok=False)
+    except FileExistsError:
+        return paced(scenario, tasks, seeds)
+    return hangs(scenario, tasks, seeds)
+
+
 def throws(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
     raise RuntimeError("Uncaught error in Bonmin")
 
@@ -77,3 +94,9 @@ def dies_at_slowest(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int,
     if any(task.speed < 0.2 and task.split == "grid" for task in tasks):
         dies(scenario, tasks, seeds)
     return steady(scenario, tasks, seeds)
+
+
+def dies_at_first(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+    if tasks[0].speed == 0.1:
+        dies(scenario, tasks, seeds)
+    return paced(scenario, tasks, seeds)

@@ -80,7 +80,7 @@ class ClusterError(RuntimeError):
 
 def missing_programs() -> list[str]:
     """Which of Slurm's and munge's programs are not installed."""
-    return [program for program in PROGRAMS if _which(program) is None]
+    return [program for program in PROGRAMS if program_path(program) is None]
 
 
 class Cluster:
@@ -178,13 +178,17 @@ class Cluster:
                 self.call("scontrol", "update", f"nodename={node}", "state=resume", check=False)
         return self.idle_nodes() == len(NODES) and not self.call("squeue", "-h", check=False)
 
+    def completed(self) -> str:
+        """Slurm's record of all jobs that have ended, a line each."""
+        return (self.folder / "completed.log").read_text()
+
     def idle_nodes(self) -> int:
         """How many nodes are up and have no job."""
         return len(self.call("sinfo", "-h", "-N", "-p", "work", "-t", "idle", "-o", "%N", check=False).split())
 
     def call(self, *command: str, check: bool = True, timeout: float = 60.0) -> str:
         """The standard output of one of Slurm's commands. Raises ClusterError with what it said when it fails."""
-        path = _which(command[0]) or command[0]
+        path = program_path(command[0]) or command[0]
         environment = os.environ | self.environment()
         done = subprocess.run(
             [path, *command[1:]], env=environment, capture_output=True, text=True, timeout=timeout, check=False
@@ -198,9 +202,10 @@ class Cluster:
         marks = {f"{MARK}={self.folder}"} | ({f"{NODE_MARK}={node}"} if node else set())
         return [pid for pid in _processes() if marks <= set(_read(pid, "environ"))]
 
-    def job_processes(self, node: str | None = None) -> list[int]:
-        """What runs inside jobs, on all nodes or on one."""
+    def job_processes(self, node: str | None = None, job: str | None = None) -> list[int]:
+        """What runs inside jobs: in all of them, on one node, in one job."""
         marks = {f"SLURM_CONF={self.conf}"} | ({f"SLURMD_NODENAME={node}"} if node else set())
+        marks |= {f"SLURM_JOB_ID={job}"} if job else set()
         environments = ((pid, set(_read(pid, "environ"))) for pid in _processes())
         return [
             pid
@@ -230,7 +235,12 @@ class Cluster:
         marks = {MARK: str(self.folder)} | ({NODE_MARK: name} if name in NODES else {})
         with open(self.folder / f"{name}.log", "ab") as log:
             subprocess.run(
-                ["setsid", "--fork", _which(program) or program, *arguments],  # no child of ours: it may outlive us
+                [
+                    "setsid",
+                    "--fork",
+                    program_path(program) or program,
+                    *arguments,
+                ],  # no child of ours: it may outlive us
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=log,
@@ -262,7 +272,8 @@ class Cluster:
             time.sleep(LOOK_S)
 
 
-def _which(program: str) -> str | None:
+def program_path(program: str) -> str | None:
+    """Where a program is, if it is installed."""
     return shutil.which(program, path=f"{os.environ.get('PATH', '')}:/usr/sbin:/sbin")  # where users have no sbin
 
 

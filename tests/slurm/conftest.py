@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
+sys.path.insert(0, str(Path(__file__).parent.parent / "execute"))
 sys.path.insert(0, str(Path(__file__).parent))
 
 from cluster import Cluster, missing_programs
+from disturbed import Row, fault_document
 
 
 @pytest.fixture(scope="session")
@@ -39,3 +42,25 @@ def cluster(slurm: Cluster) -> Iterator[Cluster]:
     slurm.repair()
     yield slurm
     slurm.repair()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def fakes_path() -> Iterator[None]:
+    """Lets every process started from here import `fakes`."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", str(Path(__file__).parent.parent / "execute"), prepend=os.pathsep)
+        yield
+
+
+@pytest.fixture(scope="session")
+def rows() -> Iterator[list[Row]]:
+    """What the faults of this session did; written down at its end when a path for it is given."""
+    rows: list[Row] = []
+    yield rows
+    if rows and (path := os.environ.get("GAITFLOW_SLURM_FAULTS")):
+        Path(path).write_text(json.dumps(fault_document(rows), indent=1) + "\n")
+
+
+@pytest.fixture
+def record_row(rows: list[Row]) -> Callable[[Row], None]:
+    return rows.append

@@ -1,0 +1,190 @@
+"""One test a fault: the run ends, its dataset is the undisturbed one, no stored unit is solved again, no job is left.
+
+With GAITFLOW_SLURM_FAULTS set to a path, the measurements are written there as a bench document.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import time
+from collections.abc import Callable, Collection, Iterator
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+from cluster import NODES, Cluster, program_path
+from disturbed import Row, Run, undisturbed
+
+from gaitflow.scenario import Scenario, load_scenario
+
+pytestmark = [pytest.mark.slurm, pytest.mark.slow, pytest.mark.timeout(400)]
+
+UNITS = 60
+
+
+@pytest.fixture(scope="module")
+def scenario(checkout: Path) -> Scenario:
+    """The half-cheetah at 60 speeds, one a unit."""
+    data = load_scenario(checkout / "configs/scenarios/quickstart.yaml").as_data()
+    data["tasks"] = {
+        "speed": {"start": 0.1, "stop": 2.1, "count": UNITS},
+        "cycle_duration": {"start": 0.5, "stop": 0.5, "count": 1},
+        "held_out": 0,
+    }
+    data["strategy"]["tasks_per_unit"] = 1
+    return Scenario.from_data(data, "faults")
+
+
+@pytest.fixture(scope="module")
+def reference(scenario: Scenario, tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
+    frame = undisturbed(scenario, tmp_path_factory.mktemp("undisturbed"))
+    assert len(frame) == UNITS
+    return frame
+
+
+@pytest.fixture
+def make_run(cluster: Cluster, scenario: Scenario, tmp_path: Path) -> Iterator[Callable[..., Run]]:
+    made: list[Run] = []
+
+    def make(folder: Path = tmp_path, **profile: Any) -> Run:
+        made.append(Run(cluster, scenario, folder, **profile))
+        return made[-1]
+
+    yield make
+    for run in made:
+        run.close()
+
+
+@pytest.fixture
+def run(make_run: Callable[..., Run]) -> Run:
+    """A run whose solvers are all at work."""
+    run = make_run()
+    run.start()
+    run.wait_for_pool()
+    return run
+
+
+@pytest.fixture
+def judge(reference: pd.DataFrame, record_row: Callable[[Row], None]) -> Callable[..., None]:
+    def judge(run: Run, fault: str, hit: Collection[int], recovered_s: float | None) -> None:
+        """Wait for the end of the run and hold it against the undisturbed one."""
+        assert run.finish() == 0, run.log[-3000:]
+        row = run.row(fault, hit, recovered_s)
+        record_row(row)
+        assert row.ended and row.repeated == 0, row
+        pd.testing.assert_frame_equal(run.dataset(), reference)
+
+    return judge
+
+
+def test_nothing_happens(make_run: Callable[..., Run], judge: Callable[..., None]) -> None:
+    run = make_run()
+    begin = time.time()
+    run.start()
+    judge(run, "none", (), run.wait_for_pool() - begin)
+
+
+def test_a_worker_is_cancelled(run: Run, judge: Callable[..., None], cluster: Cluster) -> None:
+    job = run.jobs()[0]
+    hit, begin = run.solvers(job), time.time()
+    assert len(hit) == 1
+    cluster.call("scancel", job)
+    judge(run, "scancel", hit, run.wait_for_pool(hit) - begin)
+
+
+def test_workers_are_preempted(run: Run, judge: Callable[..., None], cluster: Cluster) -> None:
+    hit, begin = run.solvers(), time.time()
+    urgent = [
+        cluster.call("sbatch", "--parsable", "-p", "urgent", "-w", node, "--exclusive", "-o", "/dev/null", "--wrap",
+                     "sleep 10").strip()
+        for node in NODES
+    ]  # fmt: skip
+    run.wait_until(lambda: set(urgent) <= set(run.jobs()))
+    judge(run, "preemption", hit, run.wait_for_pool(hit) - begin)
+
+
+def test_a_node_is_taken_down(run: Run, judge: Callable[..., None], cluster: Cluster) -> None:
+    node = busiest(cluster)
+    hit, begin = run.solvers(), time.time()
+    cluster.set_node(node, "down")
+    judge(run, "node down", hit, run.wait_for_pool(hit) - begin)
+
+
+def test_a_node_dies(run: Run, judge: Callable[..., None], cluster: Cluster) -> None:
+    node = busiest(cluster)
+    hit, begin = run.solvers(), time.time()
+    cluster.kill_node(node)
+    judge(run, "node dead", hit, run.wait_for_pool(hit) - begin)
+
+
+def test_the_controller_is_away_while_a_worker_dies(run: Run, judge: Callable[..., None], cluster: Cluster) -> None:
+    job = run.jobs()[0]
+    hit, begin = run.solvers(job), time.time()
+    cluster.kill_controller()
+    for pid in cluster.job_processes(job=job):
+        os.kill(pid, signal.SIGKILL)
+    time.sleep(20)
+    cluster.start_controller()
+    judge(run, "controller away", hit, run.wait_for_pool(hit) - begin)
+
+
+def test_sbatch_fails_three_times(
+    make_run: Callable[..., Run], judge: Callable[..., None], cluster: Cluster, tmp_path: Path
+) -> None:
+    run, wrapper, count = make_run(), tmp_path / "bin" / "sbatch", tmp_path / "failures"
+    wrapper.parent.mkdir()
+    real = program_path("sbatch")
+    wrapper.write_text(
+        f"#!/bin/bash\nif [ \"$(cat '{count}' 2>/dev/null | wc -l)\" -lt 3 ]; then\n"
+        f"  echo failed >> '{count}'; echo 'sbatch: error: Socket timed out on send/recv operation' >&2; exit 1\nfi\n"
+        f'exec {real} "$@"\n'
+    )
+    wrapper.chmod(0o755)
+    begin = time.time()
+    run.start(PATH=f"{wrapper.parent}:{os.environ['PATH']}")
+    judge(run, "sbatch fails", (), run.wait_for_pool() - begin)
+    assert count.read_text().count("failed") == 3 and "Socket timed out" in run.log
+
+
+def test_the_driver_is_killed_and_started_again(run: Run, judge: Callable[..., None]) -> None:
+    hit, begin = run.solvers(), time.time()
+    run.kill_driver()
+    run.start()
+    judge(run, "driver killed", hit, run.wait_for_pool(hit) - begin)
+
+
+def test_a_walltime_ends(make_run: Callable[..., Run], judge: Callable[..., None], cluster: Cluster) -> None:
+    """A unit that hangs beyond its worker's walltime: Slurm ends the job. The other workers end before theirs."""
+    run = make_run(walltime="00:01:00")
+    run.start("fakes:hangs_first")
+    run.wait_until(lambda: list(run.marks.glob("hangs-*")))
+    hit = {int(mark.name.partition("-")[2]) for mark in run.marks.glob("hangs-*")}
+    run.wait_until(lambda: "JobState=TIMEOUT" in cluster.completed(), 150)
+    begin = time.time()
+    judge(run, "walltime", hit, run.wait_for_pool(hit) - begin)
+
+
+def test_a_poison_unit_is_given_up(
+    make_run: Callable[..., Run], reference: pd.DataFrame, record_row: Callable[[Row], None]
+) -> None:
+    run = make_run()
+    run.pace(0.3)
+    run.start("fakes:dies_at_first")
+    run.wait_until(run.store.attempts.given_up)
+    assert run.finish() == 0, run.log[-3000:]
+    row = run.row("poison unit", (), None)
+    record_row(row)
+    assert row.ended and row.repeated == 0, row
+    frame = run.dataset()
+    poison = frame["speed"] == 0.1
+    assert frame[poison]["solver_status"].tolist() == ["crashed: SIGSEGV x3"]
+    pd.testing.assert_frame_equal(frame[~poison], reference[reference["speed"] != 0.1])
+
+
+def busiest(cluster: Cluster) -> str:
+    """The node on which all workers are: Slurm fills one after the other."""
+    nodes = set(cluster.call("squeue", "-h", "-t", "running", "-o", "%N").split())
+    assert len(nodes) == 1, nodes
+    return nodes.pop()
