@@ -14,6 +14,7 @@ from typing import Any
 from pydantic.json_schema import GenerateJsonSchema
 
 from gaitflow.config import Config
+from gaitflow.execute.profile import Profile
 from gaitflow.files import atomic_write
 from gaitflow.robots import Robot
 from gaitflow.scenario import Scenario
@@ -31,7 +32,7 @@ def _schema(model: type[Config]) -> dict[str, Any]:
 
 
 def file_schemas() -> dict[str, dict[str, Any]]:
-    """Schema by file name: of a robot file, and of a scenario file, which names its robot instead of holding it."""
+    """Schema by file name: of a robot, of a cluster's profile, and of a scenario, which names its robot."""
     robot, scenario = _schema(Robot), _schema(Scenario)
     scenario["properties"]["robot"] = {
         "description": "Name of a file in the folder of robots, without its ending.",
@@ -39,7 +40,7 @@ def file_schemas() -> dict[str, dict[str, Any]]:
     }
     for definition in ("Robot", *robot["$defs"]):
         del scenario["$defs"][definition]
-    return {"robot.schema.json": robot, "scenario.schema.json": scenario}
+    return {"profile.schema.json": _schema(Profile), "robot.schema.json": robot, "scenario.schema.json": scenario}
 
 
 def write_schemas(folder: Path) -> tuple[Path, ...]:

@@ -28,17 +28,23 @@ def refuse_second_driver(run_folder: Path) -> None:
                 f"{name}: the driver job {job.id} is {job.state.lower()}; watch it with `gaitflow status {name}`, "
                 f"or end it first with `gaitflow cancel {name}`"
             )
-    record = _record(run_folder)
+    process = driver_process(run_folder)
+    if process is not None:
+        raise DriverAlive(
+            f"{name}: {process} solves it; end that one first, or remove {_record(run_folder)} when it is gone"
+        )
+
+
+def driver_process(run_folder: Path) -> str | None:
+    """The process that drives this run outside of a job, such as "the process 7 on login1"; None without one."""
     try:
-        held = json.loads(record.read_bytes())
+        held = json.loads(_record(run_folder).read_bytes())
         host, pid = str(held["host"]), int(held["pid"])
     except (OSError, ValueError, KeyError, TypeError):
-        return
+        return None
     if host == socket.gethostname() and not _is_alive(pid):
-        return
-    raise DriverAlive(
-        f"{name}: the process {pid} on {host} solves it; end that one first, or remove {record} when it is gone"
-    )
+        return None
+    return f"the process {pid} on {host}"
 
 
 @contextmanager

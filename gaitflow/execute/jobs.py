@@ -53,6 +53,16 @@ class Job:
         return self.state in ALIVE
 
 
+@dataclass(frozen=True)
+class Partition:
+    """A partition of the cluster: `limit_s` is the longest walltime [s], None without a limit."""
+
+    name: str
+    up: bool
+    limit_s: int | None
+    nodes: int
+
+
 def run_tag(run_folder: Path) -> str:
     """What marks the jobs of the run in this folder: 16 hexadecimal digits of the folder's absolute name."""
     return hashlib.sha256(os.fsencode(run_folder.resolve())).hexdigest()[:16]
@@ -120,6 +130,21 @@ def cancel_run(run_folder: Path) -> tuple[Job, ...]:
     return jobs
 
 
+def slurm_version() -> str:
+    """Such as "slurm-wlm 22.05.8". Raises SlurmError."""
+    return _call(["sbatch", "--version"]).strip()
+
+
+def partition(name: str | None) -> Partition | None:
+    """The partition of this name, or the default one; None when there is none. Raises SlurmError."""
+    arguments = [f"--partition={name}"] if name else []
+    for line in _call(["sinfo", "--noheader", *arguments, "--format=%R|%P|%a|%l|%D"]).splitlines():
+        fields = line.strip().split("|")
+        if len(fields) == 5 and (name or fields[1].endswith("*")):
+            return Partition(fields[0], fields[2] == "up", _limit(fields[3]), int(fields[4]))
+    return None
+
+
 class Queue:
     """The listing of a run's jobs for one that looks again and again: squeue is asked every 30 s at most."""
 
@@ -166,6 +191,15 @@ def _call(command: Sequence[str], script: str = "") -> str:
     if done.returncode:
         raise SlurmError(f"{command[0]}: {_last_line(done.stderr) or f'exit code {done.returncode}'}")
     return done.stdout
+
+
+def _limit(text: str) -> int | None:
+    """Seconds in sinfo's "1-00:00:00", "2:00:00" or "30:00"; None for "infinite" and what else is no time."""
+    match = re.fullmatch(r"(?:(\d+)-)?(?:(\d+):)?(\d+):(\d+)", text)
+    if match is None:
+        return None
+    days, hours, minutes, seconds = (int(part or 0) for part in match.groups())
+    return ((days * 24 + hours) * 60 + minutes) * 60 + seconds
 
 
 def _last_line(text: str) -> str:

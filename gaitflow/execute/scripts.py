@@ -1,4 +1,4 @@
-"""The exact texts that are handed to sbatch: one for a worker, one for the driver. Pure functions."""
+"""The exact texts that are handed to sbatch: of a worker, of the driver, of the doctor's job. Pure functions."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from gaitflow.execute.tls import tls_files
 
 DEATH_TIMEOUT_S = 60  # a worker that finds no scheduler ends
 NOTICE_S = 60  # before the end of its walltime the driver is told to stop
+DOCTOR_WALLTIME = "00:05:00"
 RESTARTS = 20  # a driver that was killed goes back to the queue, but not for ever
 
 # exec, so that Slurm's signals reach the worker and not a shell that waits for it.
@@ -22,6 +23,13 @@ _WORKER = """\
 {directives}
 {environment}
 export DASK_DISTRIBUTED__WORKER__HTTP__ROUTES='[]'
+{setup}exec {command}
+"""
+
+_DOCTOR = """\
+#!/bin/bash
+{directives}
+{environment}
 {setup}exec {command}
 """
 
@@ -78,11 +86,14 @@ def worker_script(
     text = shlex.join(command)
     if profile.scratch:
         text += f' --local-directory "{profile.scratch}"'  # a variable of the node is for the node to fill in
-    directives = _directives(
-        profile, run_folder, "worker", worker, profile.walltime, profile.memory, profile.cores, profile.partition
-    )
+    directives = [
+        *_marks(f"{run_folder.resolve().name}-worker", run_folder, worker, run_folder / "logs" / "worker-%j.log"),
+        *_resources(profile, profile.walltime, profile.memory, profile.cores, profile.partition),
+        "--no-requeue",
+        *profile.directives,
+    ]
     return _WORKER.format(
-        directives="\n".join(f"#SBATCH {line}" for line in (*directives, "--no-requeue", *profile.directives)),
+        directives="\n".join(f"#SBATCH {line}" for line in directives),
         environment=_environment(profile),
         setup=_lines(profile.setup),
         command=text,
@@ -98,20 +109,16 @@ def driver_script(
     from the store. Raises ValueError for a folder that no script can name.
     """
     cli = [python, "-m", "gaitflow.cli", "--root", str(root.resolve())]
-    directives = _directives(
-        profile,
-        run_folder,
-        DRIVER,
-        DRIVER,
-        profile.driver.walltime,
-        profile.driver.memory,
-        1,
-        profile.driver.partition or profile.partition,
-    )
-    own = profile.directives if profile.driver.directives is None else profile.driver.directives
-    extra = ("--requeue", f"--signal=B:USR1@{NOTICE_S}", *own)
+    driver = profile.driver
+    directives = [
+        *_marks(f"{run_folder.resolve().name}-driver", run_folder, DRIVER, run_folder / "logs" / "driver-%j.log"),
+        *_resources(profile, driver.walltime, driver.memory, 1, driver.partition or profile.partition),
+        "--requeue",
+        f"--signal=B:USR1@{NOTICE_S}",
+        *(profile.directives if driver.directives is None else driver.directives),
+    ]
     return _DRIVER.format(
-        directives="\n".join(f"#SBATCH {line}" for line in (*directives, *extra)),
+        directives="\n".join(f"#SBATCH {line}" for line in directives),
         environment=_environment(profile),
         setup=_lines(profile.setup),
         root=shlex.quote(_one_line(str(root.resolve()))),
@@ -121,30 +128,40 @@ def driver_script(
     )
 
 
-def _directives(
-    profile: Profile,
-    run_folder: Path,
-    kind: str,
-    role: str,
-    walltime: str,
-    memory: str,
-    cores: int,
-    partition: str | None,
-) -> list[str]:
-    logs = _one_line(str(run_folder.resolve() / "logs")).replace("%", "%%")
-    fields = [
-        f"--job-name=gaitflow-{run_folder.resolve().name}-{kind}",
-        f"--comment={comment(run_folder, role)}",
-        f"--output={_quoted(f'{logs}/{kind}-%j.log')}",
-        "--open-mode=append",
-        f"--time={walltime}",
-        f"--mem={memory.removesuffix('B')}",
-        "--nodes=1",
-        "--ntasks=1",
-        f"--cpus-per-task={cores}",
+def doctor_script(profile: Profile, folder: Path, python: str = sys.executable) -> str:
+    """The small job of `gaitflow doctor`: like a worker's, and what it finds goes into `folder`."""
+    directives = [
+        *_marks("doctor", folder, "doctor", folder / "log"),
+        *_resources(profile, DOCTOR_WALLTIME, profile.memory, profile.cores, profile.partition),
+        "--no-requeue",
+        *profile.directives,
     ]
-    fields += [f"--partition={partition}"] if partition else []
-    return fields + ([f"--account={profile.account}"] if profile.account else [])
+    command = [python, "-m", "gaitflow.execute.doctor_node", str(folder.resolve())]
+    scratch = f' --scratch "{profile.scratch}"' if profile.scratch else ""
+    return _DOCTOR.format(
+        directives="\n".join(f"#SBATCH {line}" for line in directives),
+        environment=_environment(profile),
+        setup=_lines(profile.setup),
+        command=shlex.join(command) + scratch,
+    )
+
+
+def _marks(name: str, run_folder: Path, role: str, log: Path) -> list[str]:
+    """How the job is called, marked as one of this run, and where its output goes; %j in `log` is the job's id."""
+    folder = _one_line(str(log.parent.resolve())).replace("%", "%%")
+    return [
+        f"--job-name=gaitflow-{name}",
+        f"--comment={comment(run_folder, role)}",
+        f"--output={_quoted(f'{folder}/{log.name}')}",
+        "--open-mode=append",
+    ]
+
+
+def _resources(profile: Profile, walltime: str, memory: str, cores: int, partition: str | None) -> list[str]:
+    lines = [f"--time={walltime}", f"--mem={memory.removesuffix('B')}"]
+    lines += ["--nodes=1", "--ntasks=1", f"--cpus-per-task={cores}"]
+    lines += [f"--partition={partition}"] if partition else []
+    return lines + ([f"--account={profile.account}"] if profile.account else [])
 
 
 def _environment(profile: Profile) -> str:

@@ -1,13 +1,16 @@
-"""How far a run is, read from its folder: while it runs, after it, from another machine, and without Dask."""
+"""How far a run is, read from its folder: while it runs, after it, from another machine, without Dask or Slurm."""
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 from gaitflow.dataset.attempts import Attempt
 from gaitflow.dataset.store import UnitStore
 from gaitflow.dataset.units import plan_units
+from gaitflow.execute.jobs import DRIVER, SlurmError, jobs_of
 from gaitflow.execute.journal import read_journal
 from gaitflow.scenario import Scenario
 
@@ -15,11 +18,27 @@ LATEST_ERRORS = 5
 
 
 @dataclass(frozen=True)
+class JobCounts:
+    """Jobs in Slurm's queue by state ("RUNNING"), and by reason those that wait ("Priority")."""
+
+    driver: dict[str, int]
+    workers: dict[str, int]
+    waiting_for: dict[str, int]
+
+    def __str__(self) -> str:
+        groups = (("driver", self.driver), ("workers", self.workers))
+        texts = [f"{name} {_counts(states)}" for name, states in groups if states]
+        texts += [f"waiting for {', '.join(self.waiting_for)}"] if self.waiting_for else []
+        return "; ".join(texts) or "none in the queue"
+
+
+@dataclass(frozen=True)
 class RunStatus:
     """Counts of units (`units` = `solved` + `failed` + `left`), CPU hours spent and, from them, still to spend.
 
     `cpu_hours_left` is None while nothing is solved. `quarantined` parts were damaged. `errors` are the latest
-    attempts that the solver did not survive, newest first.
+    attempts that the solver did not survive, newest first. `jobs` is None for a run that never was on a cluster, and
+    where Slurm cannot be asked. `logs` is the folder of the jobs' output, None without one.
     """
 
     scenario: str
@@ -31,6 +50,8 @@ class RunStatus:
     cpu_hours_spent: float
     cpu_hours_left: float | None
     errors: tuple[Attempt, ...]
+    jobs: JobCounts | None
+    logs: str | None
 
     def as_data(self) -> dict[str, Any]:
         """Plain JSON data."""
@@ -56,4 +77,23 @@ def run_status(scenario: Scenario, store: UnitStore) -> RunStatus:
         cpu_hours_spent=hours,
         cpu_hours_left=hours / known * left if known else (0.0 if not left else None),
         errors=tuple(store.attempts.latest(LATEST_ERRORS)),
+        jobs=_jobs(store.folder),
+        logs=str(logs) if (logs := store.folder / "logs").is_dir() else None,
     )
+
+
+def _counts(states: dict[str, int]) -> str:
+    return ", ".join(f"{number} {state.lower()}" for state, number in sorted(states.items()))
+
+
+def _jobs(run_folder: Path) -> JobCounts | None:
+    if not (run_folder / "cluster").is_dir():
+        return None
+    try:
+        jobs = jobs_of(run_folder)
+    except SlurmError:
+        return None
+    waiting = Counter(job.reason for job in jobs if job.state == "PENDING")
+    driver = Counter(job.state for job in jobs if job.role == DRIVER)
+    workers = Counter(job.state for job in jobs if job.role != DRIVER)
+    return JobCounts(dict(driver), dict(workers), dict(waiting))
