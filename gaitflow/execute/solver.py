@@ -29,6 +29,7 @@ START_UP_S = 60.0
 LONGEST_UNIT_S = 3600.0
 STORING_S = 2.0  # a process asked to end may first finish the part that it is writing
 CHUNK = 1 << 16
+ASKED_TO_END = "crashed: SIGTERM"  # no solver ends like this by itself, so it is not the unit's fault
 
 
 class SolverClosed(Exception):
@@ -95,6 +96,10 @@ class Solver:
                 ending = self._end()
                 if self._closed:
                     raise SolverClosed("the worker is closing") from None
+            if ending == ASKED_TO_END and not str(lost):
+                raise SolverClosed(
+                    "the solver was asked to end, as Slurm asks every process of a job"
+                ) from None
             return Receipt(unit.digest, "raised", str(lost) or ending)
 
     def _started(self) -> subprocess.Popen[bytes]:

@@ -110,6 +110,25 @@ def test_closing_interrupts_a_solve_without_blaming_the_unit(
         worker.run(units[1], store)
 
 
+def test_a_solver_ended_by_a_batch_system_does_not_blame_the_unit(
+    store: UnitStore, units: tuple[Unit, ...], fakes: Path
+) -> None:
+    before = set(fakes.glob("hangs-*"))
+    worker = solver("hangs")
+
+    def end() -> None:
+        while not (new := set(fakes.glob("hangs-*")) - before):
+            time.sleep(0.05)
+        os.kill(int(new.pop().name.removeprefix("hangs-")), signal.SIGTERM)
+
+    thread = threading.Thread(target=end)
+    thread.start()
+    with pytest.raises(SolverClosed, match="asked to end"):
+        worker.run(units[0], store)
+    thread.join()
+    assert store.attempts.count(units[0]) == 0 and not store.has(units[0])
+
+
 def test_a_store_that_cannot_be_written_stops_the_run(store: UnitStore, units: tuple[Unit, ...]) -> None:
     store.folder.mkdir(parents=True)
     (store.folder / "units").write_text("in the way")
