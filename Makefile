@@ -11,7 +11,7 @@ export PIP_NO_INPUT := 1
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
-.PHONY: help venv run lint test slow-tests all-tests constraints clean
+.PHONY: help venv run lint test slow-tests slurm-tests all-tests constraints clean
 
 help:  ## this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
@@ -34,11 +34,14 @@ lint: $(STAMP)  ## style, types and import rules
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
-test: lint  ## lint and the fast tests
-	$(PYTEST) -m "not slow and not slurm"
+test: lint  ## lint and the fast tests; with Slurm's when it is installed
+	$(PYTEST) -m "not slow"
 
 slow-tests: $(STAMP)  ## the slow tests only
 	$(PYTEST) -m "slow and not slurm"
+
+slurm-tests: $(STAMP)  ## every test on a real Slurm (apt-get install slurm-wlm munge)
+	$(BIN)/python -m pytest -m slurm --durations=5
 
 all-tests: lint  ## lint and every test, fast and slow
 	$(PYTEST) -m "not slurm"

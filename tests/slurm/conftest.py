@@ -20,10 +20,14 @@ from disturbed import Row, fault_document
 
 
 @pytest.fixture(scope="session")
-def slurm() -> Iterator[Cluster]:
-    """A running Slurm, in the environment of every process started from here; it ends with this process."""
+def slurm_installed() -> None:
     if missing := missing_programs():
         pytest.skip(f"no Slurm here ({', '.join(missing)} not found): apt-get install slurm-wlm munge")
+
+
+@pytest.fixture(scope="session")
+def slurm(slurm_installed: None) -> Iterator[Cluster]:
+    """A running Slurm, in the environment of every process started from here; it ends with this process."""
     folder = Path(tempfile.mkdtemp(prefix="gaitflow-slurm-"), "slurm")  # a socket's path must be short
     program = Path(__file__).with_name("cluster.py")
     subprocess.run([sys.executable, program, "start", folder, "--until", str(os.getpid())], check=True, timeout=120)

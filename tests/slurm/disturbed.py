@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -27,6 +28,8 @@ from gaitflow.dataset.collect import collect
 from gaitflow.dataset.store import UnitStore
 from gaitflow.dataset.units import plan_units
 from gaitflow.execute.journal import Entry, read_journal
+from gaitflow.execute.profile import load_profile
+from gaitflow.execute.scripts import driver_script
 from gaitflow.scenario import Scenario
 
 POOL = 3
@@ -59,8 +62,9 @@ class Run:
         self.marks.mkdir(parents=True)
         self.pace(SLOW_S)
         self._process: subprocess.Popen[bytes] | None = None
+        self._job: str | None = None
         settings = {"name": "test", "partition": "work", "walltime": "00:10:00", "memory": "500MB", "jobs": POOL}
-        settings |= {"interface": "lo", "margin_s": 20, **profile}
+        settings |= {"interface": "lo", "margin_s": 20, "driver": {"memory": "1GB"}, **profile}
         self.profile = folder / "profile.yaml"
         self.profile.write_text(yaml.safe_dump(settings))
         self._scenario_file = folder / "scenario.json"
@@ -68,10 +72,9 @@ class Run:
 
     def start(self, solve: str = "fakes:paced", **environment: str) -> None:
         """Start the driver, or another one after the first."""
-        command = [Path(__file__).with_name("drive.py"), self._scenario_file, self.store.folder, solve, self.profile]
         with open(self.folder / "driver.log", "ab") as log:
             self._process = subprocess.Popen(
-                [sys.executable, *map(str, command)],
+                self._command(solve),
                 stdout=log,
                 stderr=log,
                 cwd=self.folder,
@@ -79,10 +82,33 @@ class Run:
                 start_new_session=True,
             )
 
+    def submit(self) -> str:
+        """Start the driver as a job, by the very script of `gaitflow submit`, and return the job's id.
+
+        Only the program is another one: in the place of `gaitflow solve` it solves with the tests' solver.
+        """
+        program, script = self.folder / "python", self.folder / "driver.sh"
+        program.write_text(
+            f"#!/bin/bash\nexport FAKE_FOLDER={shlex.quote(str(self.marks))}\n"
+            f"case \" $* \" in *' solve '*) exec {shlex.join(self._command('fakes:paced'))} ;; esac\n"
+        )
+        program.chmod(0o755)
+        (self.store.folder / "logs").mkdir(parents=True)
+        profile, name = load_profile(self.profile), self.scenario.name
+        script.write_text(driver_script(profile, self.store.folder, self.folder, name, self.profile, str(program)))
+        self._job = self.cluster.call("sbatch", "--parsable", str(script)).strip()
+        return self._job
+
+    def driver(self) -> int:
+        """The process that drives the run, and holds Dask's scheduler, inside its job."""
+        (pid,) = (pid for pid in self.cluster.job_processes(job=self._job) if b"drive.py" in _command(pid))
+        return pid
+
     @property
     def log(self) -> str:
         """All that the drivers said."""
-        return (self.folder / "driver.log").read_text(errors="replace")
+        logs = [self.folder / "driver.log", *self.store.folder.glob("logs/driver-*.log")]
+        return "".join(log.read_text(errors="replace") for log in logs if log.exists())
 
     def pace(self, seconds: float) -> None:
         """From now on a unit takes so long, also one that is being solved."""
@@ -95,8 +121,9 @@ class Run:
         return {pid for pid in self.cluster.job_processes(job=job) if b"solver_process" in _command(pid)}
 
     def jobs(self) -> list[str]:
-        """Ids of all running jobs."""
-        return self.cluster.call("squeue", "-h", "-t", "running", "-o", "%A").split()
+        """Ids of the workers' jobs that are running."""
+        running = self.cluster.call("squeue", "-h", "-t", "running", "-p", "work", "-o", "%A").split()
+        return [job for job in running if job != self._job]
 
     def wait_for_pool(self, without: Collection[int] = ()) -> float:
         """Wait until POOL solvers, none of them in `without`, have begun a unit; the time when that was seen."""
@@ -108,7 +135,7 @@ class Run:
         deadline = time.monotonic() + seconds
         while not condition():
             assert time.monotonic() < deadline, f"it took more than {seconds:.0f} s\n{self.log[-3000:]}"
-            assert self._process is not None and self._process.poll() is None, f"the run ended\n{self.log[-3000:]}"
+            assert self._exit_code() is None, f"the run ended\n{self.log[-3000:]}"
             time.sleep(0.1)
 
     def kill_driver(self) -> None:
@@ -119,12 +146,11 @@ class Run:
 
     def finish(self) -> int:
         """Wait for the driver to end; its exit code. No job may be left in the queue then."""
-        assert self._process is not None
         self.pace(QUICK_S)
-        try:
-            code = self._process.wait(ENDS_WITHIN_S)
-        except subprocess.TimeoutExpired:
-            raise AssertionError(f"the run did not end\n{self.log[-3000:]}") from None
+        deadline = time.monotonic() + ENDS_WITHIN_S
+        while (code := self._exit_code()) is None:
+            assert time.monotonic() < deadline, f"the run did not end\n{self.log[-3000:]}"
+            time.sleep(0.1)
         deadline = time.monotonic() + LEAVES_WITHIN_S
         while left := self.cluster.call("squeue", "-h", "-o", "%A %j %T", "-p", "work"):
             assert time.monotonic() < deadline, f"left in the queue:\n{left}"
@@ -136,6 +162,20 @@ class Run:
         if self._process is not None and self._process.poll() is None:
             os.killpg(self._process.pid, signal.SIGKILL)
             self._process.wait()
+
+    def _command(self, solve: str) -> list[str]:
+        program = Path(__file__).with_name("drive.py")
+        return [sys.executable, *map(str, (program, self._scenario_file, self.store.folder, solve, self.profile))]
+
+    def _exit_code(self) -> int | None:
+        """Of the driver; None while it runs, or waits in the queue."""
+        if self._job is None:
+            assert self._process is not None
+            return self._process.poll()
+        if self._job in self.cluster.call("squeue", "-h", "-o", "%A").split():
+            return None
+        last = [line for line in self.cluster.completed().splitlines() if f"JobId={self._job} " in line][-1]
+        return 0 if "JobState=COMPLETED" in last else 1
 
     def journal(self) -> list[Entry]:
         """The run's journal."""

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from cluster import NODES, Cluster
 
-pytestmark = pytest.mark.slurm
+pytestmark = [pytest.mark.slurm, pytest.mark.usefixtures("slurm_installed")]
 
 
 def wait_until(condition: Callable[[], object], seconds: float = 30.0) -> None:

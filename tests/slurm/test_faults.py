@@ -7,15 +7,17 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import time
 from collections.abc import Callable, Collection, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 import pytest
 from cluster import NODES, Cluster, program_path
-from disturbed import Row, Run, undisturbed
+from disturbed import SLOW_S, Row, Run, undisturbed
 
 from gaitflow.scenario import Scenario, load_scenario
 
@@ -67,6 +69,25 @@ def run(make_run: Callable[..., Run]) -> Run:
 
 
 @pytest.fixture
+def small_disk() -> Iterator[Callable[[Path], None]]:
+    """Mounts a file system of its own, of 32 MB, in a new folder."""
+    sudo = [] if os.geteuid() == 0 else ["sudo", "-n"]
+    mounted: list[Path] = []
+
+    def mount(folder: Path) -> None:
+        folder.mkdir(parents=True)
+        options = f"size=32m,uid={os.getuid()},mode=0700"
+        done = subprocess.run([*sudo, "mount", "-t", "tmpfs", "-o", options, "tmpfs", folder], capture_output=True)
+        if done.returncode:
+            pytest.skip(f"a file system cannot be mounted here: {done.stderr.decode().strip()}")
+        mounted.append(folder)
+
+    yield mount
+    for folder in mounted:
+        subprocess.run([*sudo, "umount", "--lazy", folder], check=True)
+
+
+@pytest.fixture
 def judge(reference: pd.DataFrame, record_row: Callable[[Row], None]) -> Callable[..., None]:
     def judge(run: Run, fault: str, hit: Collection[int], recovered_s: float | None) -> None:
         """Wait for the end of the run and hold it against the undisturbed one."""
@@ -74,6 +95,7 @@ def judge(reference: pd.DataFrame, record_row: Callable[[Row], None]) -> Callabl
         row = run.row(fault, hit, recovered_s)
         record_row(row)
         assert row.ended and row.repeated == 0, row
+        assert row.lost_in_flight > 0 or not hit, "the fault hit no unit: the test has shown nothing"
         pd.testing.assert_frame_equal(run.dataset(), reference)
 
     return judge
@@ -96,12 +118,8 @@ def test_a_worker_is_cancelled(run: Run, judge: Callable[..., None], cluster: Cl
 
 def test_workers_are_preempted(run: Run, judge: Callable[..., None], cluster: Cluster) -> None:
     hit, begin = run.solvers(), time.time()
-    urgent = [
-        cluster.call("sbatch", "--parsable", "-p", "urgent", "-w", node, "--exclusive", "-o", "/dev/null", "--wrap",
-                     "sleep 10").strip()
-        for node in NODES
-    ]  # fmt: skip
-    run.wait_until(lambda: set(urgent) <= set(run.jobs()))
+    urgent = [urgent_job(cluster, node) for node in NODES]
+    run.wait_until(lambda: set(urgent) <= set(running(cluster, "urgent")))
     judge(run, "preemption", hit, run.wait_for_pool(hit) - begin)
 
 
@@ -155,6 +173,51 @@ def test_the_driver_is_killed_and_started_again(run: Run, judge: Callable[..., N
     judge(run, "driver killed", hit, run.wait_for_pool(hit) - begin)
 
 
+def test_the_scheduler_is_killed_in_its_job(make_run: Callable[..., Run], judge: Callable[..., None]) -> None:
+    """It lives in the driver's process; the driver's job puts itself back into the queue."""
+    run = make_run()
+    run.submit()
+    run.wait_for_pool()
+    hit, begin = run.solvers(), time.time()
+    os.kill(run.driver(), signal.SIGKILL)
+    judge(run, "scheduler killed", hit, run.wait_for_pool(hit) - begin)
+
+
+def test_the_drivers_job_is_preempted_and_requeued(
+    make_run: Callable[..., Run], judge: Callable[..., None], cluster: Cluster
+) -> None:
+    """And all workers with it, as they are on its node."""
+    run = make_run()
+    job = run.submit()
+    run.wait_for_pool()
+    hit, begin = run.solvers(), time.time()
+    urgent = urgent_job(cluster, busiest(cluster))
+    run.wait_until(lambda: urgent in running(cluster, "urgent"))
+    judge(run, "driver requeued", hit, run.wait_for_pool(hit) - begin)
+    assert cluster.completed().count(f"JobId={job} ") >= 2, "it was not requeued"
+
+
+def test_the_disk_of_the_store_is_full(
+    make_run: Callable[..., Run], judge: Callable[..., None], small_disk: Callable[[Path], None]
+) -> None:
+    """The run says so and ends; once there is room again, the next one goes on."""
+    run = make_run()
+    small_disk(run.store.folder)
+    run.start()
+    run.wait_for_pool()
+    hit, ballast = run.solvers(), run.store.folder / "ballast"
+    with suppress(OSError), open(ballast, "wb", buffering=0) as file:
+        while file.write(bytes(1 << 16)):
+            pass
+    assert run.finish() == 1, "the run went on, though nothing can be stored"
+    assert "No space left on device" in run.log and "free some space on that disk and run again" in run.log
+    ballast.unlink()
+    run.pace(SLOW_S)
+    begin = time.time()
+    run.start()
+    judge(run, "store full", hit, run.wait_for_pool(hit) - begin)
+
+
 def test_a_walltime_ends(make_run: Callable[..., Run], judge: Callable[..., None], cluster: Cluster) -> None:
     """A unit that hangs beyond its worker's walltime: Slurm ends the job. The other workers end before theirs."""
     run = make_run(walltime="00:01:00")
@@ -184,7 +247,17 @@ def test_a_poison_unit_is_given_up(
 
 
 def busiest(cluster: Cluster) -> str:
-    """The node on which all workers are: Slurm fills one after the other."""
+    """The node on which all jobs are: Slurm fills one after the other."""
     nodes = set(cluster.call("squeue", "-h", "-t", "running", "-o", "%N").split())
     assert len(nodes) == 1, nodes
     return nodes.pop()
+
+
+def urgent_job(cluster: Cluster, node: str) -> str:
+    """Submit a job that takes a whole node for ten seconds, whoever is there; its id."""
+    options = ("-p", "urgent", "-w", node, "--exclusive", "-o", "/dev/null", "--wrap", "sleep 10")
+    return cluster.call("sbatch", "--parsable", *options).strip()
+
+
+def running(cluster: Cluster, partition: str) -> list[str]:
+    return cluster.call("squeue", "-h", "-t", "running", "-p", partition, "-o", "%A").split()
