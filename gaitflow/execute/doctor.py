@@ -18,7 +18,7 @@ from gaitflow.execute.scripts import doctor_script
 from gaitflow.files import WriteError, publish_once
 
 LOOK_S = 0.5
-SETTLE_S = 60.0  # after its job has ended, a file may take this long to be seen on a network file system
+SETTLE_S = 20.0  # after its job has ended, a file may take this long to be seen on a network file system
 CLOCK_LIMIT_S = 10.0
 LAST_LINES = 3
 
@@ -39,20 +39,21 @@ def examine(profile: Profile, runs: Path, wait_s: float) -> Iterator[Finding]:
     """
     try:
         yield Finding("sbatch", True, slurm_version())
-        for role, name, walltime_s in (
-            ("workers", profile.partition, profile.walltime_s),
-            ("driver", profile.driver.partition or profile.partition, profile.driver.walltime_s),
-        ):
-            yield _partition(role, name, walltime_s)
+        driver = profile.driver
+        workers = _partition("workers", profile.partition, profile.walltime_s)
+        yield workers
+        yield _partition("driver", driver.partition or profile.partition, driver.walltime_s)
     except SlurmError as error:
         yield Finding("sbatch", False, str(error))
+        return
+    if not workers.ok:
         return
     folder = runs.resolve() / f".doctor-{secrets.token_hex(4)}"
     try:
         publish_once(folder / doctor_node.TAKEN, b"here")
         yield from _job(profile, folder, wait_s)
     except SlurmError as error:
-        yield Finding("job", False, f"{error}; check partition, account, memory and directives of {profile.name}")
+        yield Finding("job", False, f"{error}; check account, memory and directives of {profile.name}")
     except WriteError as error:
         yield Finding("shared folder", False, str(error))
     finally:
@@ -107,8 +108,8 @@ def _wait_for(path: Path, folder: Path, job: str, wait_s: float) -> str | None:
             state = f"{mine[0].state.lower()} ({mine[0].reason})" if mine else "gone"
             if not mine:
                 gone_by = min(gone_by, time.monotonic() + SETTLE_S)
-        log = _log(folder)
-        if time.monotonic() > gone_by or (state == "gone" and log):
+        if time.monotonic() > gone_by:
+            log = _log(folder)
             said = f"it said: {log}" if log else f"nothing that it wrote can be seen in {folder.parent}"
             return (
                 f"job {job} ended without a report; {said}; the environment and the folder have to be on a file "

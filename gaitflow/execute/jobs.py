@@ -204,4 +204,4 @@ def _limit(text: str) -> int | None:
 
 def _last_line(text: str) -> str:
     lines = text.strip().splitlines()
-    return lines[-1] if lines else ""
+    return re.sub(r"^\w+: error: ", "", lines[-1]) if lines else ""

@@ -3,13 +3,14 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+import time
 
 import pytest
 
 from gaitflow.dataset.store import UnitStore
 from gaitflow.dataset.units import Unit
 from gaitflow.execute.journal import Journal, read_journal
-from gaitflow.execute.status import run_status
+from gaitflow.execute.status import JobCounts, run_status
 from gaitflow.scenario import Scenario
 
 
@@ -63,3 +64,33 @@ def test_status_needs_no_dask() -> None:
     code = "import sys, gaitflow.execute.status; print({'dask', 'distributed', 'casadi'} & set(sys.modules))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert "dask" not in done.stdout and "distributed" not in done.stdout
+
+
+def test_jobs_by_state_and_where_their_logs_are(store: UnitStore, scenario: Scenario) -> None:
+    (store.folder / "cluster").mkdir(parents=True)
+    (store.folder / "logs").mkdir()
+    states = [
+        ("driver", "RUNNING", "None"),
+        ("a-0", "RUNNING", "None"),
+        *[(f"a-{i}", "PENDING", "Priority") for i in (1, 2)],
+    ]
+    jobs = [
+        {"id": str(i), "name": "gaitflow", "state": state, "reason": reason, "role": role}
+        for i, (role, state, reason) in enumerate(states)
+    ]
+    (store.folder / "cluster" / "jobs.json").write_text(json.dumps({"time": time.time(), "jobs": jobs}))
+    status = run_status(scenario, store)
+    assert status.jobs == JobCounts({"RUNNING": 1}, {"RUNNING": 1, "PENDING": 2}, {"Priority": 2})
+    assert str(status.jobs) == "driver 1 running; workers 2 pending, 1 running; waiting for Priority"
+    assert status.logs == str(store.folder / "logs")
+    assert json.loads(json.dumps(status.as_data()))["jobs"]["workers"] == {"RUNNING": 1, "PENDING": 2}
+
+
+def test_without_slurm_the_jobs_are_unknown_and_the_rest_is_told(
+    store: UnitStore, scenario: Scenario, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert (run_status(scenario, store).jobs, run_status(scenario, store).logs) == (None, None)
+    (store.folder / "cluster").mkdir(parents=True)
+    monkeypatch.setenv("PATH", "/nowhere")
+    status = run_status(scenario, store)
+    assert status.jobs is None and status.left == 6

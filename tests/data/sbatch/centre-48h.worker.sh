@@ -1,0 +1,23 @@
+#!/bin/bash
+#SBATCH --job-name=gaitflow-quickstart-worker
+#SBATCH --comment=gaitflow:76094578ebb6098f:4f1c2a-7
+#SBATCH --output=/shared/project/runs/quickstart/logs/worker-%j.log
+#SBATCH --open-mode=append
+#SBATCH --time=48:00:00
+#SBATCH --mem=2G
+#SBATCH --nodes=1
+#SBATCH --ntasks=1
+#SBATCH --cpus-per-task=1
+#SBATCH --partition=cpu
+#SBATCH --account=my-project
+#SBATCH --no-requeue
+#SBATCH --qos=normal
+#SBATCH --constraint=rome
+export OMP_NUM_THREADS=1
+export OPENBLAS_NUM_THREADS=1
+export MKL_NUM_THREADS=1
+export TMPDIR="$TMPDIR"
+export DASK_DISTRIBUTED__WORKER__HTTP__ROUTES='[]'
+module purge
+module load gcc/12
+exec /shared/project/.venv/bin/python -m distributed.cli.dask_worker tls://10.0.0.5:40001 --name 4f1c2a-7 --nthreads 1 --no-nanny --memory-limit 0 --no-dashboard --dashboard-address 127.0.0.1:0 --death-timeout 60s --lifetime 163476s --lifetime-stagger 8604s --worker-class gaitflow.execute.drain.DrainingWorker --interface ib0 --protocol tls --tls-ca-file /shared/project/runs/quickstart/tls/certificate.pem --tls-cert /shared/project/runs/quickstart/tls/certificate.pem --tls-key /shared/project/runs/quickstart/tls/key.pem --local-directory "$TMPDIR"

@@ -1,0 +1,18 @@
+#!/bin/bash
+#SBATCH --job-name=gaitflow-doctor
+#SBATCH --comment=gaitflow:a06db5e27931630e:doctor
+#SBATCH --output=/shared/project/runs/.doctor-1/log
+#SBATCH --open-mode=append
+#SBATCH --time=00:05:00
+#SBATCH --mem=2G
+#SBATCH --nodes=1
+#SBATCH --ntasks=1
+#SBATCH --cpus-per-task=1
+#SBATCH --partition=scavenge
+#SBATCH --no-requeue
+#SBATCH --nice=100
+export OMP_NUM_THREADS=1
+export OPENBLAS_NUM_THREADS=1
+export MKL_NUM_THREADS=1
+export TMPDIR="/tmp"
+exec /shared/project/.venv/bin/python -m gaitflow.execute.doctor_node /shared/project/runs/.doctor-1 --scratch "/tmp"
