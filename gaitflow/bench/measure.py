@@ -16,26 +16,43 @@ from gaitflow.bench import (
     faults,
     map,
     minlp,
+    overhead,
     phases,
     ranking,
     scaling,
     select,
+    speedup,
     stances,
+    store,
     table1,
     table2,
 )
 from gaitflow.dataset import load_solutions
 from gaitflow.execute.journal import read_journal
+from gaitflow.execute.profile import Profile
 from gaitflow.runtime.versions import resolve
 from gaitflow.scenario import Scenario
 from gaitflow.workspace import Workspace
 
 
-def measure(name: str, workspace: Workspace, scenario: Scenario, tasks: int | None, seed: int) -> dict[str, Any]:
-    """Run one bench and return its document; `tasks` None takes the bench's own number (of `scaling`: solves a size).
+def measure(
+    name: str,
+    workspace: Workspace,
+    scenario: Scenario,
+    tasks: int | None,
+    seed: int,
+    profile: Profile | None = None,
+) -> dict[str, Any]:
+    """Run one bench and return its document; `tasks` None takes the bench's own number.
 
-    Raises ValueError or FileNotFoundError when what a bench reads (a run, a published map) is not there.
+    `tasks` is for `scaling` the solves a size, for `store` the largest plan. With a `profile`, `speedup` runs on the
+    jobs of that cluster; no other bench takes one.
+
+    Raises ValueError or FileNotFoundError when what a bench reads (a run, a published map) is not there,
+    and for a profile where there can be none.
     """
+    if profile is not None and name != "speedup":
+        raise ValueError(f"bench {name} runs on this machine; a profile is for `bench speedup` only")
     runs = workspace.root / "runs"
     own = {} if tasks is None else {"tasks": tasks}
     benches: dict[str, Callable[[], dict[str, Any]]] = {
@@ -48,11 +65,14 @@ def measure(name: str, workspace: Workspace, scenario: Scenario, tasks: int | No
         "faults": partial(faults.faults, scenario, tasks or 12, 20, seed),
         "map": partial(_map, workspace, scenario),
         "minlp": lambda: minlp.run(scenario, seed=seed, runs=runs, **own),
+        "overhead": lambda: overhead.run(scenario, runs=runs, **own),
         "phases": partial(_phases, workspace, scenario),
         "ranking": lambda: ranking.run(scenario, load_solutions(workspace.run(scenario).solutions)),
         "scaling": partial(_scaling, workspace, tasks or 10, seed),
         "select": lambda: select.run(resolve(workspace.models / scenario.name), seed=seed),
+        "speedup": lambda: speedup.run(scenario, profile=profile, runs=runs, **own),
         "stances": partial(_stances, workspace, scenario),
+        "store": lambda: store.run(scenario, runs=runs, **own),
         "table1": lambda: table1.run(scenario, resolve(workspace.models / scenario.name), seed=seed, runs=runs, **own),
         "table2": lambda: table2.run(
             scenario, resolve(workspace.models / scenario.name), _document(workspace, "minlp", scenario), seed=seed,
@@ -105,4 +125,5 @@ def _phases(workspace: Workspace, more: Scenario) -> dict[str, Any]:
         raise ValueError(f"{more.name}: must be named <scenario>-<number>-phases after the scenario to compare with")
     scenario = workspace.scenario(base[1])
     labels, more_labels = (pd.read_parquet(workspace.run(each).labels) for each in (scenario, more))
-    return phases.run(scenario, more, labels, more_labels)
+    control = workspace.run(workspace.scenario(f"{scenario.name}-short-phases")).labels
+    return phases.run(scenario, more, labels, more_labels, pd.read_parquet(control) if control.exists() else None)

@@ -20,7 +20,7 @@ from gaitflow.problem.layout import GRAVITY
 from gaitflow.scenario import Scenario
 from gaitflow.solve.screen import NO_ROOM, longest_support, why_no_gait
 
-ROUNDING = 1e-9  # relative; what the sums above lose in floating point
+ROUNDING = 1e-6  # relative; what solvers of linear and nonlinear programs leave open
 
 
 def ruled_out(

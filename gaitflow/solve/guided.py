@@ -18,11 +18,10 @@ from dataclasses import dataclass, field, replace
 from gaitflow.gaits import Pattern, representative
 from gaitflow.problem import transcribe
 from gaitflow.scenario import Scenario
-from gaitflow.solve import guess
 from gaitflow.solve.attempts import best_of, leaders, recheck, screened, solution, until_feasible
 from gaitflow.solve.bound import ruled_out
 from gaitflow.solve.moves import doubled, library, neighbours, repeated
-from gaitflow.solve.nlp import Attempt, FixedGaitSolver, Start
+from gaitflow.solve.nlp import Attempt, FixedGaitSolver
 from gaitflow.solve.patterns import RECHECKED_GAITS
 from gaitflow.solve.solution import Solution
 from gaitflow.task import Task
@@ -31,7 +30,7 @@ COARSENESS = 0.4  # share of the knots in a phase that a probe has, if that is a
 LEAST_KNOTS = 3
 EXPANDED = 4  # best patterns whose moves are all tried
 FINALISTS = 15  # patterns solved on the scenario's mesh
-PROMISING = 1.4  # a finalist's coarse cost over the best one: a coarse mesh adds 5 to 45 %, not the same to all
+PROMISING = 1.45  # a finalist's coarse cost over the best one: a coarse mesh adds 0 to 44 %, not the same to all
 FEW_PHASES = 5  # from here on the library is too large, and is searched with half as many phases first
 
 Probes = dict[Pattern, Attempt]
@@ -77,6 +76,8 @@ class _Explored:
 
     probes: Probes = field(default_factory=dict)
     reasons: dict[Pattern, str] = field(default_factory=dict)
+    calls: dict[Pattern, list[Attempt]] = field(default_factory=dict)  # all that a probe took
+    before: list[Attempt] = field(default_factory=list)  # calls with half as many phases
 
     def ranked(self) -> list[Pattern]:
         """Probed patterns, feasible ones by cost, then the others by violation."""
@@ -108,7 +109,7 @@ class _Search:
         explored, attempts = _Explored(), dict[Pattern, list[Attempt]]()
         for pattern in self._cheapest_before()[:1]:
             self._finish(task, pattern, attempts)
-        seeds = [*self._cheapest_before(), *self._seeds(task)]
+        seeds = [*self._cheapest_before(), *self._seeds(task, explored)]
         if _incumbent(attempts) == math.inf:
             self._probe(task, seeds, explored, math.inf)
             for pattern in explored.ranked()[:1]:
@@ -125,18 +126,19 @@ class _Search:
     def _cheapest_before(self) -> list[Pattern]:
         return sorted(self.solved, key=lambda pattern: (self.solved[pattern].cost, pattern))
 
-    def _seeds(self, task: Task) -> list[Pattern]:
+    def _seeds(self, task: Task, explored: _Explored) -> list[Pattern]:
         """Where the search begins: the gait library, or what half as many phases do best; and two strides a cycle."""
         phases, twice = self.scenario.transcription.phases, list[Pattern]()
         if self.scenario.stances_per_leg is None and phases % 2 == 0:
             twice = [repeated(pattern) for pattern in self._library(phases // 2)]
         if self.half is None:
             return [*self._library(phases), *twice]
-        explored = _Explored()
-        seeds = [*self.half._known(), *self.half._seeds(task)]
-        self.half._explore(task, seeds, explored, math.inf)
-        self.half.probes = explored.probes
-        best = [doubled(pattern) for pattern in self.half._finalists(explored)]
+        found = _Explored()
+        seeds = [*self.half._known(), *self.half._seeds(task, found)]
+        self.half._explore(task, seeds, found, math.inf)
+        self.half.probes = found.probes
+        explored.before += [*found.before, *(call for calls in found.calls.values() for call in calls)]
+        best = [doubled(pattern) for pattern in self.half._finalists(found)]
         return [representative(pattern, self.mirror) for pattern in [*best, *twice]]
 
     def _library(self, phases: int) -> tuple[Pattern, ...]:
@@ -168,18 +170,10 @@ class _Search:
             if reason is not None:
                 explored.reasons[pattern] = reason
                 continue
-            explored.probes[pattern] = self._coarse_solve(task, pattern)
-
-    def _coarse_solve(self, task: Task, pattern: Pattern) -> Attempt:
-        before = self.probes.get(pattern)
-        if before is not None and before.feasible:
-            start = Start("neighbour", before.w, before.multipliers)
-            attempt = self.coarse.solve(pattern, task.speed, task.cycle_duration, start)
-            if attempt.feasible:
-                return attempt
-        robot, layout = self.scenario.robot, self.coarse.problem.layout
-        start = Start("nominal", guess.nominal(robot, layout, task.speed, task.cycle_duration))
-        return self.coarse.solve(pattern, task.speed, task.cycle_duration, start)
+            before = self.probes.get(pattern)
+            neighbour = before if before is not None and before.feasible else None
+            explored.calls[pattern] = until_feasible(self.coarse, pattern, task, neighbour, restarts=0)
+            explored.probes[pattern] = explored.calls[pattern][-1]
 
     def _finalists(self, explored: _Explored) -> list[Pattern]:
         """The patterns worth a solve on the full mesh; where no probe was feasible, those that came nearest."""
@@ -198,6 +192,7 @@ class _Search:
 
     def _rows(self, task: Task, explored: _Explored, attempts: dict[Pattern, list[Attempt]]) -> list[Solution]:
         rows = []
+        unowned = explored.before  # counted with the first row that was solved at all
         for pattern in sorted({*explored.probes, *explored.reasons, *attempts}):
             probe = explored.probes.get(pattern)
             if pattern in attempts:
@@ -207,7 +202,10 @@ class _Search:
                 row = replace(row, status="probed", start=probe.start)
             else:
                 row = screened(self.scenario, task, pattern, explored.reasons[pattern])
-            rows.append(row if probe is None else _with_effort(row, probe))
+            calls = explored.calls.get(pattern, [])
+            if calls:
+                calls, unowned = [*calls, *unowned], []
+            rows.append(_with_effort(row, calls))
         return rows
 
 
@@ -222,11 +220,11 @@ def _verdict(probe: Attempt) -> str:
     return f"no motion found on the coarse mesh: {probe.solver_status}"
 
 
-def _with_effort(row: Solution, probe: Attempt) -> Solution:
+def _with_effort(row: Solution, calls: Sequence[Attempt]) -> Solution:
     return replace(
         row,
-        iterations=row.iterations + probe.iterations,
-        solves=row.solves + 1,
-        wall_s=row.wall_s + probe.wall_s,
-        cpu_s=row.cpu_s + probe.cpu_s,
+        iterations=row.iterations + sum(call.iterations for call in calls),
+        solves=row.solves + len(calls),
+        wall_s=row.wall_s + sum(call.wall_s for call in calls),
+        cpu_s=row.cpu_s + sum(call.cpu_s for call in calls),
     )

@@ -17,14 +17,15 @@ Mirror = Sequence[int] | None
 def library(legs: int, phases: int, mirror: Mirror = None) -> tuple[Pattern, ...]:
     """The gaits in which all legs have one duty factor and one stance, at every offset: walks, trots, paces, bounds.
 
-    Representatives, sorted. For 4 legs and 4 phases 108 patterns; of few phases the archetypes that Fig. 5 and 8 vary.
+    Representatives, longest stances first: whoever stops early has seen the walks. For 4 legs and 4 phases 108
+    patterns; of few phases the archetypes that Fig. 5 and 8 vary.
     """
     found: set[Pattern] = set()
     for stance in range(1, phases):
         row = "1" * stance + "0" * (phases - stance)
         for offsets in product(range(phases), repeat=legs - 1):
             found.add(representative(Pattern(tuple(row[cut:] + row[:cut] for cut in (0, *offsets))), mirror))
-    return tuple(sorted(found))
+    return tuple(sorted(found, key=lambda pattern: (-pattern.rows[0].count("1"), pattern)))
 
 
 def neighbours(pattern: Pattern, stances_per_leg: int | None = None, mirror: Mirror = None) -> tuple[Pattern, ...]:

@@ -44,6 +44,17 @@ def test_tasks_in_common_say_what_more_phases_gain(pair: tuple[Scenario, Scenari
     assert np.isclose(done["summary"]["cost_fall_max"], 0.2)
 
 
+def test_the_control_divides_the_fall(pair: tuple[Scenario, Scenario]) -> None:
+    four = labels([(0.3, TROT, 100.0), (0.8, TROT, 50.0), (0.9, TROT, 50.0)])
+    eight = labels([(0.3, CRAWL, 60.0), (0.8, CRAWL, 45.0), (0.9, CRAWL, 45.0)])
+    done = phases.run(*pair, four, eight, labels([(0.3, TROT, 80.0), (0.8, TROT, 40.0)]))
+    told = [(row["fall_by_limit"], row["fall_by_phases"]) for row in done["rows"]]
+    assert told[:2] == [pytest.approx((0.2, 0.25)), pytest.approx((0.2, -0.125))]
+    assert told[2] == (None, None)
+    assert done["summary"]["fall_by_phases_min"] == pytest.approx(-0.125)
+    assert "fall_by_limit_max" not in phases.run(*pair, four, eight)["summary"]
+
+
 def test_only_phases_and_stances_may_differ(pair: tuple[Scenario, Scenario]) -> None:
     four, eight = pair
     frame = labels([(0.3, TROT, 100.0)])

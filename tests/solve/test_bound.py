@@ -60,7 +60,9 @@ def test_the_bound_by_hand(effort: Scenario) -> None:
     h = 0.1 * cycle / n
     velocities = [-9.81 * h * (k - (n - 1) / 2) for k in range(n)]
     expected = 2.0 * (weight * cycle) ** 2 / (2 * 0.9 * cycle) + 3.0 * h * sum(v * v for v in velocities)
-    assert least_cost(scenario, Pattern.from_text("0111/0111"), cycle, 2 * 0.9 * cycle) == pytest.approx(expected)
+    assert least_cost(scenario, Pattern.from_text("0111/0111"), cycle, 2 * 0.9 * cycle) == pytest.approx(
+        expected, rel=2e-6
+    )
 
 
 def test_what_is_ruled_out_says_why(effort: Scenario) -> None:

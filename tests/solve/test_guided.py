@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from typing import Any
 
 import pytest
 
@@ -10,6 +11,7 @@ from gaitflow.gaits import Pattern, gait_of
 from gaitflow.scenario import Scenario, Strategy, Transcription
 from gaitflow.solve import Solution, solve_tasks
 from gaitflow.solve.guided import coarse, halved
+from gaitflow.solve.nlp import Attempt, FixedGaitSolver
 from gaitflow.task import Task
 
 CHAIN = [Task(0.4, 0.6), Task(0.9, 0.6)]
@@ -109,3 +111,21 @@ def test_eight_phases_begin_with_what_four_can_do(effort: Scenario) -> None:
     )
     best_of_four, best_of_eight = (_best(solve_tasks(one, [task]), task).cost for one in (four, eight))
     assert best_of_eight <= best_of_four * (1 + 1e-6)
+
+
+def test_every_solver_call_is_in_some_row(effort: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those that failed at the neighbour's start and those with half as many phases, too."""
+    calls = []
+    honest = FixedGaitSolver.solve
+
+    def solve(self: FixedGaitSolver, *arguments: Any) -> Attempt:
+        calls.append(honest(self, *arguments))
+        return calls[-1]
+
+    monkeypatch.setattr(FixedGaitSolver, "solve", solve)
+    settings = Transcription(phases=6, knots_per_phase=3, min_phase_fraction=0.1)
+    scenario = effort.model_copy(update={"strategy": GUIDED, "transcription": settings})
+    found = solve_tasks(scenario, CHAIN)
+    assert sum(row.solves for row in found) == len(calls)
+    assert sum(row.iterations for row in found) == sum(call.iterations for call in calls)
+    assert math.isclose(sum(row.cpu_s for row in found), sum(call.cpu_s for call in calls))
