@@ -41,7 +41,7 @@ slow-tests: $(STAMP)  ## the slow tests only
 	$(PYTEST) -m "slow and not slurm"
 
 slurm-tests: $(STAMP)  ## every test on a real Slurm (apt-get install slurm-wlm munge)
-	$(BIN)/python -m pytest -m slurm --durations=5
+	$(PYTEST) -m slurm --durations=5
 
 all-tests: lint  ## lint and every test, fast and slow
 	$(PYTEST) -m "not slurm"

@@ -11,6 +11,7 @@ import argparse
 import ctypes
 import faulthandler
 import importlib
+import io
 import json
 import os
 import signal
@@ -114,10 +115,21 @@ def _storing() -> Iterator[None]:
 
 
 def _protect_stdout() -> TextIO:
-    """The stream of receipts; whatever else prints, from Python or C, goes to standard error."""
+    """The stream of receipts; whatever else prints, from Python or C, goes to standard error if there is room."""
     receipts = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)
+    sys.stdout = sys.stderr = io.TextIOWrapper(_Chatter(2, "w", closefd=False), errors="replace", write_through=True)
     return receipts
+
+
+class _Chatter(io.FileIO):
+    """What a solver says: losing it, on a scratch disk that is full, must not lose the solution."""
+
+    def write(self, data: Any) -> int:
+        try:
+            return super().write(data)
+        except OSError:
+            return memoryview(data).nbytes
 
 
 def _load(unit: Unit, solve: str) -> tuple[SolveTasks, Mapping[str, Any]]:

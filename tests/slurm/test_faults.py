@@ -205,10 +205,7 @@ def test_the_disk_of_the_store_is_full(
     small_disk(run.store.folder)
     run.start()
     run.wait_for_pool()
-    hit, ballast = run.solvers(), run.store.folder / "ballast"
-    with suppress(OSError), open(ballast, "wb", buffering=0) as file:
-        while file.write(bytes(1 << 16)):
-            pass
+    hit, ballast = run.solvers(), fill(run.store.folder)
     assert run.finish() == 1, "the run went on, though nothing can be stored"
     assert "No space left on device" in run.log and "free some space on that disk and run again" in run.log
     ballast.unlink()
@@ -216,6 +213,29 @@ def test_the_disk_of_the_store_is_full(
     begin = time.time()
     run.start()
     judge(run, "store full", hit, run.wait_for_pool(hit) - begin)
+
+
+def test_the_scratch_disk_of_the_nodes_is_full(
+    make_run: Callable[..., Run],
+    judge: Callable[..., None],
+    small_disk: Callable[[Path], None],
+    cluster: Cluster,
+    tmp_path: Path,
+) -> None:
+    """Workers go on; one that is lost meanwhile is replaced once there is room again."""
+    scratch = tmp_path / "scratch"
+    small_disk(scratch)
+    run = make_run(scratch=str(scratch))
+    run.start()
+    run.wait_for_pool()
+    job, before = run.jobs()[0], len(run.store.solved())
+    hit, ballast, begin = run.solvers(job), fill(scratch), time.time()
+    cluster.call("scancel", job)
+    run.wait_until(lambda: len(run.store.solved()) >= before + 6)
+    time.sleep(max(0.0, begin + 10 - time.time()))
+    ballast.unlink()
+    judge(run, "scratch full", hit, run.wait_for_pool(hit) - begin)
+    assert not run.store.attempts.folder.exists(), "it cost units an attempt"
 
 
 def test_a_walltime_ends(make_run: Callable[..., Run], judge: Callable[..., None], cluster: Cluster) -> None:
@@ -251,6 +271,15 @@ def busiest(cluster: Cluster) -> str:
     nodes = set(cluster.call("squeue", "-h", "-t", "running", "-o", "%N").split())
     assert len(nodes) == 1, nodes
     return nodes.pop()
+
+
+def fill(folder: Path) -> Path:
+    """Write a file until its disk is full."""
+    ballast = folder / "ballast"
+    with suppress(OSError), open(ballast, "wb", buffering=0) as file:
+        while file.write(bytes(1 << 12)):
+            pass
+    return ballast
 
 
 def urgent_job(cluster: Cluster, node: str) -> str:
