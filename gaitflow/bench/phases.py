@@ -76,7 +76,7 @@ def beside(row: Mapping[str, Any], control: pd.DataFrame) -> dict[str, Any]:
 
 def falls(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Median, least and largest of what the limit and the phases do; nothing without a control."""
-    summary = {}
+    summary: dict[str, Any] = {}
     for name in ("fall_by_limit", "fall_by_phases"):
         values = [row[name] for row in rows if row.get(name) is not None]
         if values:
