@@ -21,8 +21,8 @@ except ImportError as error:
     sys.exit(f'gaitflow: the command line needs more than the runtime ({error}): pip install "gaitflow[all]"')
 
 BENCHES = (
-    "certificate", "discovery", "faults", "map", "minlp", "phases", "ranking", "scaling", "select", "stances", "table1",
-    "table2",
+    "certificate", "discovery", "faults", "map", "minlp", "overhead", "phases", "ranking", "scaling", "select",
+    "speedup", "stances", "store", "table1", "table2",
 )  # fmt: skip
 PIPED_WIDTH = 160  # a table in a file need not fit a terminal
 DEFAULT_SCENARIO = "half-cheetah-flat-effort"
@@ -349,9 +349,16 @@ def report(workspace: Workspace, scenario: str | None, claims: bool, as_json: bo
 @click.option("--scenario", default=DEFAULT_SCENARIO, show_default=True)
 @click.option("--tasks", type=click.IntRange(1), help="How many tasks; by default the bench's own number.")
 @click.option("--seed", default=0, show_default=True)
+@click.option(
+    "--profile",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    help="speedup only: on the jobs of this Slurm cluster.",
+)
 @json_option
 @click.pass_obj
-def bench(workspace: Workspace, name: str, scenario: str, tasks: int | None, seed: int, as_json: bool) -> None:
+def bench(
+    workspace: Workspace, name: str, scenario: str, tasks: int | None, seed: int, profile: Path | None, as_json: bool
+) -> None:
     """Measure NAME and write docs/results/NAME-SCENARIO.json; a bench that was stopped goes on.
 
     \b
@@ -367,15 +374,20 @@ def bench(workspace: Workspace, name: str, scenario: str, tasks: int | None, see
     ranking    the gaits of each task by cost and what they ask of the robot (after `gaitflow solve`)
     certificate  exhaustive search of some tasks beside their labels (after `gaitflow label`)
     faults     kill -9 of workers and runs
+    store      planning, resuming, checking and packing 10^3 to 10^5 units (or --tasks)
+    overhead   what handing out a unit costs, and start-up to the first solve
+    speedup    two workers over one on the same units, here or with --profile on Slurm
     Example: gaitflow bench select --scenario quickstart
     """
     from rich.console import Console
 
     from gaitflow.bench.document import summary_table, write
     from gaitflow.bench.measure import measure
+    from gaitflow.execute.profile import load_profile
 
     with bad_input():
-        done = measure(name, workspace, workspace.scenario(scenario), tasks, seed)
+        cluster = None if profile is None else load_profile(profile)
+        done = measure(name, workspace, workspace.scenario(scenario), tasks, seed, cluster)
         path = write(done, workspace.results)
     if as_json:
         return print_json(done)

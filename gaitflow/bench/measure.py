@@ -54,7 +54,7 @@ def measure(
     if profile is not None and name != "speedup":
         raise ValueError(f"bench {name} runs on this machine; a profile is for `bench speedup` only")
     runs = workspace.root / "runs"
-    own = {} if tasks is None else {"tasks": tasks}
+    own: dict[str, Any] = {} if tasks is None else {"tasks": tasks}
     benches: dict[str, Callable[[], dict[str, Any]]] = {
         "certificate": lambda: certificate.run(
             scenario, pd.read_parquet(workspace.run(scenario).labels), seed=seed, runs=runs, **own

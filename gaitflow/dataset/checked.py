@@ -8,6 +8,7 @@ beneath an unchanged file.
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterable
 from contextlib import suppress
@@ -41,12 +42,10 @@ def validate_changed(store: UnitStore, units: Iterable[Unit]) -> dict[str, str]:
 
 def stamp(store: UnitStore, digest: str) -> str | None:
     """The line of a part as it is stored now; None when it is not."""
-    path = store.file(digest)
-    with suppress(FileNotFoundError):
-        if path is not None:
-            status = path.stat()
-            return f"{digest} {status.st_size} {status.st_mtime_ns} {status.st_ino} sound"
-    return None
+    status = _status(store.path(digest))
+    if status is None and (path := store.file(digest)) is not None:
+        status = _status(path)
+    return None if status is None else f"{digest} {status.st_size} {status.st_mtime_ns} {status.st_ino} sound"
 
 
 def remembered(store: UnitStore) -> set[str]:
@@ -63,6 +62,13 @@ def remember(store: UnitStore, lines: Iterable[str]) -> None:
     text = "".join(f"{line}\n" for line in lines)
     with suppress(OSError), open(_file(store), "a", encoding="ascii") as file:
         file.write(f"\n{text}" if text else "")  # a line that a kill cut short does not swallow the first of these
+
+
+def _status(path: Path) -> os.stat_result | None:
+    try:
+        return os.stat(path)
+    except FileNotFoundError:
+        return None
 
 
 def _file(store: UnitStore) -> Path:

@@ -103,7 +103,7 @@ class UnitStore:
         try:
             with pq.ParquetFile(pa.BufferReader(self.part(unit.digest))) as file:
                 record = self._check(unit, file, path)
-                return file.read(columns=None if columns is None else list(columns)), record
+                return file.read(columns=None if columns is None else list(columns), use_threads=False), record
         except DamagedPart:
             raise
         except (pa.ArrowException, OSError, ValueError) as error:

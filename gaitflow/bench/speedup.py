@@ -1,0 +1,120 @@
+"""Two workers against one on the same real units: wall time, CPU time and where the rest goes.
+
+On worker processes of this machine, or with a profile on the jobs of a Slurm cluster.
+"""
+
+from __future__ import annotations
+
+import statistics
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from gaitflow.bench.document import document
+from gaitflow.bench.rows import Row
+from gaitflow.dataset.store import UnitStore
+from gaitflow.dataset.units import Unit, plan_units
+from gaitflow.execute.journal import Entry, read_journal
+from gaitflow.execute.local import local_client
+from gaitflow.execute.profile import Profile
+from gaitflow.execute.run import longest_unit_s, run_units
+from gaitflow.execute.solver_process import SOLVE
+from gaitflow.scenario import Scenario
+
+WORKERS = (1, 2)
+TASKS = 72
+TASKS_PER_UNIT = 3  # in the plane a unit of about 10 s
+DURATIONS = 4
+STARTED_S = 600.0  # within which the workers have to be there
+NOTES = (
+    "The same units, in random order, by one worker and then by two; each run has a store of its own. span_s: from "
+    "the start of the first unit, with all workers connected, to when the last part was stored.",
+    "speedup: span with one worker over span with two; efficiency: the same over two. cpu_ratio: CPU time with two "
+    "over CPU time with one, above 1 where the cores get in each other's way or are shared. busy: the share of "
+    "workers x span in which a unit was in work; the rest is overhead and the idle worker at the end.",
+)
+
+
+def run(
+    scenario: Scenario,
+    tasks: int = TASKS,
+    profile: Profile | None = None,
+    runs: Path = Path("runs"),
+    solve: str = SOLVE,
+) -> dict[str, Any]:
+    """The document: a row a number of workers. Works in, and empties, a folder below `runs`, which nodes must share.
+
+    `tasks` of the scenario's grid are solved, spread over it, `TASKS_PER_UNIT` a unit. Raises what `slurm_client` does.
+    """
+    units = plan_units(spread(scenario, tasks))
+    (runs / "bench").mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(prefix="speedup-", dir=runs / "bench") as folder:
+        rows = [_row(units, UnitStore(Path(folder) / f"by-{each}"), each, profile, solve) for each in WORKERS]
+    name = "speedup" if profile is None else "speedup-slurm"
+    return document(name, scenario.name, rows, summarise(rows), NOTES)
+
+
+def spread(scenario: Scenario, tasks: int) -> Scenario:
+    """The scenario on a grid of about `tasks` tasks over the same rectangle, in chains of TASKS_PER_UNIT speeds."""
+    data = scenario.as_data()
+    grid = data["tasks"]
+    durations = min(DURATIONS, grid["cycle_duration"]["count"])
+    speeds = max(2, round(tasks / durations / TASKS_PER_UNIT) * TASKS_PER_UNIT)
+    grid["cycle_duration"]["count"], grid["speed"]["count"], grid["held_out"] = durations, speeds, 0
+    if durations == 1:
+        grid["cycle_duration"]["stop"] = grid["cycle_duration"]["start"]
+    data["strategy"]["tasks_per_unit"] = TASKS_PER_UNIT
+    return Scenario.from_data(data, scenario.name)
+
+
+def measured(entries: Sequence[Entry], workers: int) -> Row:
+    """One run, from its journal."""
+    stored = [entry for entry in entries if entry.event == "stored"]
+    span = max(entry.time for entry in stored) - min(entry.time for entry in entries if entry.event == "start")
+    walls = [entry.wall_s for entry in stored]
+    return {
+        "workers": workers,
+        "units": len(stored),
+        "span_s": span,
+        "cpu_s": sum(entry.cpu_s for entry in stored),
+        "unit_wall_s_median": statistics.median(walls),
+        "unit_wall_s_max": max(walls),
+        "unit_cpu_s_median": statistics.median(entry.cpu_s for entry in stored),
+        "busy": sum(walls) / (workers * span),
+    }
+
+
+def summarise(rows: Sequence[Row]) -> Row:
+    """Speed-up and efficiency of the last row's workers over those of the first, and what explains them."""
+    one, more = rows[0], rows[-1]
+    speedup = one["span_s"] / more["span_s"]
+    return {
+        "units": more["units"],
+        "workers": more["workers"],
+        "speedup": speedup,
+        "efficiency": speedup * one["workers"] / more["workers"],
+        "cpu_ratio": more["cpu_s"] / one["cpu_s"] if one["cpu_s"] else None,
+        "busy_one": one["busy"],
+        "busy": more["busy"],
+        "unit_wall_s_median": one["unit_wall_s_median"],
+    }
+
+
+def _row(units: Sequence[Unit], store: UnitStore, workers: int, profile: Profile | None, solve: str) -> Row:
+    @contextmanager
+    def client() -> Iterator[Any]:
+        if profile is None:
+            opened = local_client(workers)
+        else:
+            from gaitflow.execute.slurm import slurm_client  # dask-jobqueue is only needed here
+
+            pool = profile.model_copy(update={"jobs": workers})
+            opened = slurm_client(pool, store.folder, longest_unit_s(units))
+        with opened as each:
+            each.wait_for_workers(workers, timeout=STARTED_S)
+            yield each
+
+    run_units(units, store, client, solve=solve)
+    return measured(read_journal(store.folder / "journal"), workers)
