@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 import dask
-from distributed import Client, LocalCluster
+from distributed import Client, LocalCluster, Status
 
 from gaitflow.execute.drain import DrainingWorker
 from gaitflow.execute.local import SETTINGS
@@ -40,17 +40,17 @@ def test_a_worker_at_its_lifetime_ends_its_unit_and_takes_no_other(tmp_path: Pat
             processes=False,
             worker_class=DrainingWorker,
             protocol="tcp://",
+            memory_limit=0,
             host="127.0.0.1",
             dashboard_address=None,
         ) as cluster,
         Client(cluster) as client,
     ):
-        futures = [client.submit(slow, str(tmp_path), number, pure=False) for number in range(3)]
+        waiting = [client.submit(slow, str(tmp_path), number, pure=False) for number in range(3)]
         while not list(tmp_path.glob("began-*")):
             time.sleep(0.02)
         (worker,) = cluster.workers.values()
         client.sync(worker.close_gracefully, reason="worker-lifetime-reached")
         assert len(list(tmp_path.glob("began-*"))) == len(list(tmp_path.glob("ended-*"))) == 1
-        done = [future for future in futures if future.status == "finished"]
-        assert len(done) == 1
-        assert all(future.status == "pending" for future in futures if future not in done), "left for other workers"
+        assert worker.status == Status.closed
+        assert not any(future.status == "error" for future in waiting), "the others are left for other workers"
