@@ -40,7 +40,7 @@ def submit(workspace: Workspace, scenario: str, profile_file: Path, dry_run: boo
     Example: gaitflow submit quickstart --profile slurm/profiles/centre-48h.yaml --dry-run
     """
     from gaitflow.dataset.units import plan_units
-    from gaitflow.execute.solver import time_limit
+    from gaitflow.execute.solver import longest_unit_s
     from gaitflow.execute.submit import prepare, submit_run
 
     with bad_input(), _slurm_errors():
@@ -50,7 +50,7 @@ def submit(workspace: Workspace, scenario: str, profile_file: Path, dry_run: boo
                 f"{scenario}: differs from configs/scenarios/{resolved.name}.yaml; the driver uses that one"
             )
         folder = workspace.run(resolved).folder
-        longest = max(time_limit(unit) for unit in plan_units(resolved))
+        longest = longest_unit_s(plan_units(resolved))
         submission = prepare(workspace.root, folder, resolved.name, profile_file, longest)
         job = None if dry_run else submit_run(submission)
     scripts = {"driver": submission.driver, "worker": submission.worker, "workers": submission.profile.jobs}

@@ -61,7 +61,8 @@ def solve(
     from gaitflow.dataset.units import plan_units
     from gaitflow.execute.local import local_client
     from gaitflow.execute.progress import progress
-    from gaitflow.execute.run import longest_unit_s, run_units
+    from gaitflow.execute.run import run_units
+    from gaitflow.execute.solver import longest_unit_s
 
     store, units = UnitStore(workspace.run(scenario).folder), plan_units(scenario)
     with progress(scenario.name) as on_event:

@@ -19,7 +19,8 @@ from gaitflow.dataset.units import Unit, plan_units
 from gaitflow.execute.journal import Entry, read_journal
 from gaitflow.execute.local import local_client
 from gaitflow.execute.profile import Profile
-from gaitflow.execute.run import longest_unit_s, run_units
+from gaitflow.execute.run import run_units
+from gaitflow.execute.solver import longest_unit_s
 from gaitflow.execute.solver_process import SOLVE
 from gaitflow.scenario import Scenario
 

@@ -23,7 +23,7 @@ from gaitflow.dataset.checked import validate_changed
 from gaitflow.dataset.store import UnitStore
 from gaitflow.dataset.units import Unit
 from gaitflow.execute.receipt import Receipt
-from gaitflow.execute.solver import SolverClosed, time_limit
+from gaitflow.execute.solver import SolverClosed
 from gaitflow.execute.solver_process import SOLVE
 from gaitflow.execute.worker import SolverPlugin, solve_unit
 
@@ -100,13 +100,6 @@ def run_units(
             return count.state
         notes = [f"damaged part, will be solved again: {reason}" for reason in damaged.values()]
     raise RunFailed(f"{store.folder}: parts were damaged {MAX_ROUNDS} times in a row; check that disk")
-
-
-def longest_unit_s(units: Sequence[Unit]) -> float:
-    """The longest time that any of these units may take [s]; 0 without units."""
-    # Units of one kind have one limit. Asking each of 10^5 would build as many scenarios.
-    kinds = {(unit.problem, unit.strategy, len(unit.tasks), len(unit.seeds or ())): unit for unit in units}
-    return max(map(time_limit, kinds.values()), default=0.0)
 
 
 class _Count:

@@ -11,6 +11,7 @@ import sys
 import tempfile
 import threading
 import time
+from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
@@ -97,9 +98,7 @@ class Solver:
                 if self._closed:
                     raise SolverClosed("the worker is closing") from None
             if ending == ASKED_TO_END and not str(lost):
-                raise SolverClosed(
-                    "the solver was asked to end, as Slurm asks every process of a job"
-                ) from None
+                raise SolverClosed("the solver was asked to end, as Slurm asks every process of a job") from None
             return Receipt(unit.digest, "raised", str(lost) or ending)
 
     def _started(self) -> subprocess.Popen[bytes]:
@@ -146,6 +145,13 @@ def time_limit(unit: Unit) -> float:
         "bonmin": len(unit.seeds or (0,)),
     }[strategy.name]
     return min(LONGEST_UNIT_S, START_UP_S + len(unit.tasks) * calls * strategy.solve_time_limit)
+
+
+def longest_unit_s(units: Iterable[Unit]) -> float:
+    """The longest time that any of these units may take [s]; 0 without units."""
+    # Units of one kind have one limit. Asking each of 10^5 would build as many scenarios.
+    kinds = {(unit.problem, unit.strategy, len(unit.tasks), len(unit.seeds or ())): unit for unit in units}
+    return max(map(time_limit, kinds.values()), default=0.0)
 
 
 def _ask(process: subprocess.Popen[bytes], request: bytes, limit: float) -> bytes:

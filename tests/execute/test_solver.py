@@ -21,7 +21,7 @@ from gaitflow.dataset.store import UnitStore
 from gaitflow.dataset.units import Unit, plan_units
 from gaitflow.execute.journal import read_journal
 from gaitflow.execute.receipt import Receipt
-from gaitflow.execute.solver import Solver, SolverClosed, time_limit
+from gaitflow.execute.solver import Solver, SolverClosed, longest_unit_s, time_limit
 from gaitflow.scenario import Scenario
 
 made: list[Solver] = []
@@ -246,3 +246,16 @@ def test_a_process_asked_to_end_finishes_the_part_it_writes(
     assert done.returncode == -signal.SIGTERM
     assert store.validate(units[0]) is None and store.has(units[0])
     assert [entry.event for entry in read_journal(store.folder / "journal")] == ["start", "stored"]
+
+
+def test_the_longest_unit_of_many_builds_one_scenario_a_kind(scenario: Scenario) -> None:
+    data = scenario.as_data()
+    data["strategy"] |= {
+        "name": "fixed_gait", "pattern": "0110/1100", "restarts": 2, "solve_time_limit": 5.0, "tasks_per_unit": 2
+    }  # fmt: skip
+    data["tasks"]["speed"]["count"] = 5
+    units = plan_units(Scenario.from_data(data, "test"))
+    assert {len(unit.tasks) for unit in units} == {1, 2}
+    assert longest_unit_s(units) == 60 + 2 * 3 * 5
+    assert sum("scenario" in vars(unit) for unit in units) == 2
+    assert longest_unit_s(()) == 0
