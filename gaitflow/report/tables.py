@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, get_args
 
 import pandas as pd
 
@@ -14,7 +14,7 @@ from gaitflow.check import FEASIBLE, violations
 from gaitflow.gaits import Pattern, diagram
 from gaitflow.report.palette import ordered_gaits
 from gaitflow.report.winners import trajectory_of
-from gaitflow.solve.solution import Solution
+from gaitflow.solve.solution import Solution, Status
 
 GAP = "gap_between_knots"  # optional column of the labels: how far a step is from the continuous motion
 QUALITIES = (
@@ -24,7 +24,6 @@ QUALITIES = (
     ("regret_mean", "mean regret"),
     ("infeasible_rate", "infeasible picks"),
 )
-STATUSES = ("solved", "infeasible", "failed", "screened")
 
 
 @dataclass(frozen=True)
@@ -129,7 +128,7 @@ def effort_table(solutions: Iterable[Solution]) -> Table:
         cpu += solution.cpu_s
         if solution.status == "solved":
             worst = max(worst, solution.violation)
-    rows = [(status, f"{counts[status]:,}") for status in STATUSES]
+    rows = [(status, f"{counts[status]:,}") for status in get_args(Status)]
     rows += [("solver calls", f"{solves:,}"), ("solver CPU time", f"{number(cpu / 60)} min")]
     rows += [("worst scaled violation of a solved task", number(worst if counts["solved"] else None))]
     return Table(("patterns at tasks", "count"), tuple(rows))

@@ -3,6 +3,7 @@ from __future__ import annotations
 import dataclasses
 import io
 from collections.abc import Callable
+from typing import get_args
 
 import numpy as np
 import pyarrow as pa
@@ -22,7 +23,7 @@ from gaitflow.dataset.schema import (
 )
 from gaitflow.dataset.units import Unit
 from gaitflow.scenario import Scenario
-from gaitflow.solve.solution import Multipliers, Solution
+from gaitflow.solve.solution import Multipliers, Solution, Status
 from gaitflow.trajectory import Trajectory
 
 NUMBER = st.floats(allow_nan=True, allow_infinity=True, width=64)
@@ -55,7 +56,7 @@ def solutions(sizes: Sizes) -> st.SearchStrategy[Solution]:
         **numbers,
         **texts,
         split=st.sampled_from(["grid", "held_out"]),
-        status=st.sampled_from(["solved", "infeasible", "failed", "screened"]),
+        status=st.sampled_from(get_args(Status)),
         seed=COUNT,
         iterations=COUNT,
         solves=COUNT,

@@ -220,7 +220,8 @@ def solutions(scenario: Scenario, labels: pd.DataFrame) -> list[Solution]:
     """The solution of each label, and the other ends that a pattern's solve can come to."""
     rows = labels[labels["status"] == "solved"].to_dict("records")
     solved = [make_solution(scenario, row) for row in rows]
-    others = [without_trajectory(solved[0], status) for status in ("screened", "screened", "infeasible", "failed")]
+    ends = ("screened", "screened", "infeasible", "failed", "probed", "probed", "probed")
+    others = [without_trajectory(solved[0], status) for status in ends]
     return solved + others
 
 

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from gaitflow.report.tables import (
     provenance_table,
     tie_table,
 )
+from gaitflow.solve.solution import Status
 
 
 def as_dict(table) -> dict[str, dict[str, str]]:
@@ -66,7 +68,9 @@ def test_ties_and_infeasible_tasks_are_listed_one_by_one(labels) -> None:
 
 def test_effort_counts_every_end_and_the_worst_violation(solutions) -> None:
     counts = {name: value for name, value in effort_table(solutions).rows}
-    assert [counts[name] for name in ("solved", "infeasible", "failed", "screened")] == ["108", "1", "1", "2"]
+    ends = {name: int(counts[name]) for name in get_args(Status)}
+    assert ends == {"solved": 108, "infeasible": 1, "failed": 1, "screened": 2, "probed": 3}
+    assert sum(ends.values()) == len(solutions)
     assert counts["worst scaled violation of a solved task"] == "3e-09"
     assert dict(effort_table([]).rows)["worst scaled violation of a solved task"] == "–"
 
