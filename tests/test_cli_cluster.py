@@ -23,7 +23,7 @@ def project(tmp_path: Path, checkout: Path, monkeypatch: pytest.MonkeyPatch) -> 
     folder.mkdir()
     (folder / "queue").touch()
     for name, text in {
-        "sbatch": f"cat > {folder}/submitted.sh; echo 42",
+        "sbatch": f"[ $1 = --test-only ] && cat > {folder}/tested.sh && exit; cat > {folder}/submitted.sh; echo 42",
         "squeue": f"cat {folder}/queue",
         "scancel": f'echo "$*" >> {folder}/cancelled',
     }.items():
@@ -56,6 +56,15 @@ def test_submit_hands_the_driver_to_slurm(project: Path) -> None:
     assert f"solve quickstart --profile {kept}" in script
     assert kept.read_bytes() == (project / PROFILE).read_bytes()
     assert (project / "runs" / "quickstart" / "logs").is_dir(), "Slurm does not make it"
+
+
+def test_workers_that_slurm_would_refuse_are_told_before_anything_is_submitted(project: Path) -> None:
+    sbatch = project / "bin" / "sbatch"
+    sbatch.write_text(f"#!/bin/bash\ncat > {project}/bin/last.sh\necho 'allocation failure: Invalid qos' >&2\nexit 1\n")
+    done = gaitflow("submit", "quickstart", "--profile", PROFILE)
+    assert done.exit_code == 1 and "sbatch: allocation failure: Invalid qos" in done.output
+    assert "quickstart-worker" in (project / "bin" / "last.sh").read_text()
+    assert not (project / "runs").exists()
 
 
 def test_a_dry_run_prints_every_script_and_does_nothing(project: Path) -> None:

@@ -78,6 +78,11 @@ def submit(script: str) -> str:
     return job_id(_call(["sbatch", "--parsable"], script))
 
 
+def check(script: str) -> None:
+    """Have Slurm say whether it would ever run this sbatch script; nothing is submitted. Raises SlurmError."""
+    _call(["sbatch", "--test-only"], script)
+
+
 def job_id(answer: str) -> str:
     """The id in what `sbatch --parsable` printed, `<id>[;<cluster>]` on its last line. Raises SlurmError."""
     lines = answer.split()

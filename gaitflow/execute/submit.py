@@ -7,7 +7,7 @@ from pathlib import Path
 
 from gaitflow.config import ConfigError
 from gaitflow.execute.drivers import refuse_second_driver
-from gaitflow.execute.jobs import submit
+from gaitflow.execute.jobs import check, submit
 from gaitflow.execute.profile import Profile, load_profile
 from gaitflow.execute.scripts import driver_script, worker_script
 from gaitflow.files import atomic_write
@@ -41,10 +41,11 @@ def prepare(root: Path, run_folder: Path, scenario: str, profile_file: Path, lon
 def submit_run(submission: Submission) -> str:
     """Hand the driver to Slurm and return its job's id.
 
-    Raises DriverAlive when the run has a driver, SlurmError when Slurm refuses, WriteError.
+    Raises DriverAlive when the run has a driver, SlurmError when Slurm refuses driver or workers, WriteError.
     """
     folder = submission.run_folder
     refuse_second_driver(folder)
+    check(submission.worker)  # the driver would be told the same, where nobody looks
     # A copy: a requeued driver reads it again, and the file may be edited or removed meanwhile.
     atomic_write(_kept_profile(folder), submission.profile_file.read_bytes())
     (folder / "logs").mkdir(exist_ok=True)
