@@ -15,9 +15,11 @@ import pandas as pd
 from gaitflow.dataset.tasks import Task
 from gaitflow.gait_names import gait_name
 from gaitflow.gaits import Pattern
+from gaitflow.solve.screen import NO_ROOM, NO_SUPPORT, NO_SWING
 
 MAX_VIOLATION = 1e-6  # worst scaled constraint violation of a solve that counts
 TASK = ["speed", "cycle_duration", "split"]
+IMPOSSIBLE = (NO_SUPPORT, NO_SWING, NO_ROOM)  # why a pattern is screened that no motion can have
 COSTS = [*TASK, "gait", "gait_key", "pattern", "cost"]
 LABELS = [*TASK, "status", "gait", "gait_key", "pattern", "cost", "margin", "runner_up", "ties", "label"]
 
@@ -56,14 +58,21 @@ def label_tasks(costs: pd.DataFrame, tasks: Iterable[Task], tie_tolerance: float
 
 
 def mark_failed(labels: pd.DataFrame, solutions: pd.DataFrame) -> pd.DataFrame:
-    """The labels with the status "failed" instead of "infeasible" where every solve of the task failed.
+    """The labels with the status "failed" instead of "infeasible" where a feasible gait may have been missed.
 
-    A solver that crashed, threw or ran into its limits says nothing about feasibility. `solutions` as in `gait_costs`.
+    A task is infeasible when every one of its patterns that was tried ended infeasible or was screened as impossible.
+    A solver that crashed, threw or ran into its limits says nothing about feasibility, and neither does a probe on a
+    coarse mesh, a screen by cost, or no row at all. `solutions` as in `gait_costs`.
     """
-    tried = solutions.groupby(TASK)["status"].agg(lambda statuses: bool((statuses == "failed").all()))
-    nothing_known = set(tried.index[tried])
+    impossible = (solutions["status"] == "screened") & solutions["solver_status"].isin(IMPOSSIBLE)
+    verdict = (solutions["status"] == "infeasible") | impossible
+    ruled_out = verdict.groupby([solutions[column] for column in TASK]).all()
+    infeasible = set(ruled_out.index[ruled_out])
     keys = zip(*(labels[column] for column in TASK), strict=True)
-    status = ["failed" if key in nothing_known else old for key, old in zip(keys, labels["status"], strict=True)]
+    status = [
+        "failed" if old == "infeasible" and key not in infeasible else old
+        for key, old in zip(keys, labels["status"], strict=True)
+    ]
     return labels.assign(status=status)
 
 

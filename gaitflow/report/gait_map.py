@@ -37,7 +37,7 @@ INK, TAIL = "#222222", "#c4c4c4"
 def draw_gait_map(labels: pd.DataFrame, gaits: Sequence[str], select: Select | None, title: str) -> Figure:
     """Speed on x, cycle duration on y: regions by `select`, whose indices point into `gaits`; tasks by their best gait.
 
-    Grid tasks are filled circles, ringed where gaits tie; held-out tasks are diamonds; infeasible tasks are crosses.
+    Grid tasks are filled circles, ringed where gaits tie; held-out tasks diamonds; tasks without a gait crosses.
     Without `select` (no classifier was trained) only the tasks are drawn. The legend begins with the gait that wins
     most tasks; beyond MAX_NAMED gaits the others share one grey. Gaits whose names end with their contacts are
     numbered, and so are their regions. Raises ValueError when `labels` is empty or `select` answers with an index
@@ -158,7 +158,7 @@ def _legend(labels: pd.DataFrame, entries: Mapping[str, str]) -> list[Patch | Li
         ("grid task", "o", 7, "white", bool((solved & on_grid).any())),
         ("held-out task", "D", 5, "white", bool((solved & ~on_grid).any())),
         ("gaits tie", "o", 12, "none", bool((ties & on_grid).any())),
-        ("infeasible task", "x", 7, "none", bool((~solved).any())),
+        ("no gait found", "x", 7, "none", bool((~solved).any())),
     )
     handles: list[Patch | Line2D] = [Patch(facecolor=colour, label=name) for name, colour in entries.items()]
     for name, marker, size, fill, found in kinds:

@@ -23,12 +23,12 @@ from gaitflow.report.tables import (
     check_table,
     effort_table,
     gait_table,
-    infeasible_table,
     learning_table,
     number,
     percent,
     provenance_table,
     tie_table,
+    unsolved_table,
 )
 from gaitflow.report.winners import by_size, central, winners
 from gaitflow.scenario import Scenario
@@ -98,7 +98,7 @@ def _highlights(labels: pd.DataFrame, learning: Mapping[str, Any] | None) -> lis
         ("grid tasks", str(int((labels["split"] == "grid").sum()))),
         ("held-out tasks", str(int((labels["split"] != "grid").sum()))),
         ("gaits that win somewhere", str(solved["gait"].nunique())),
-        ("infeasible tasks", str(len(labels) - len(solved))),
+        ("tasks without a gait", str(len(labels) - len(solved))),
         ("tasks with ties", str(int((labels["ties"].map(len) > 1).sum()))),
     ]
     if learning is not None:
@@ -121,7 +121,7 @@ def _sections(
     def pictures(*names: str, caption: str = "") -> tuple[Picture, ...]:
         return tuple(Picture(images[name], name, caption) for name in names if name in images)
 
-    ties, missing = tie_table(labels), infeasible_table(labels)
+    ties, missing = tie_table(labels), unsolved_table(labels)
     labelled = [solution for region in regions.values() for solution in region]
     tolerance = percent(scenario.learning.tie_tolerance)
     none = f"No task has gaits within {tolerance} of each other."
@@ -154,8 +154,8 @@ def _sections(
         Section("Classifiers", judged, table=None if learning is None else learning_table(learning)),
         Section("Ties", (f"Gaits within {tolerance} of the least cost tie." if ties.rows else none,), table=ties),
         Section(
-            "Infeasible tasks",
-            () if missing.rows else ("Every task has a feasible gait.",),
+            "Tasks without a gait",
+            () if missing.rows else ("A gait was found for every task.",),
             table=missing,
         ),
         Section(

@@ -1,4 +1,4 @@
-"""The tables of the report, as text: gaits, ties, infeasible tasks, checks, effort, classifiers, provenance."""
+"""The tables of the report, as text: gaits, ties, unsolved tasks, checks, effort, classifiers, provenance."""
 
 from __future__ import annotations
 
@@ -87,10 +87,11 @@ def tie_table(labels: pd.DataFrame) -> Table:
     return Table(("v [m/s]", "T [s]", "split", "gaits that tie", "margin", "learnt as"), tuple(rows))
 
 
-def infeasible_table(labels: pd.DataFrame) -> Table:
-    """A row a task without any feasible gait."""
+def unsolved_table(labels: pd.DataFrame) -> Table:
+    """A row a task at which no gait was found, with its status: infeasible, or failed (see `mark_failed`)."""
     missing = labels[labels["status"] != "solved"].sort_values(["split", "speed", "cycle_duration"])
-    return Table(("v [m/s]", "T [s]", "split"), tuple(_task(row) for row in missing.to_dict("records")))
+    rows = [(*_task(row), str(row["status"])) for row in missing.to_dict("records")]
+    return Table(("v [m/s]", "T [s]", "split", "status"), tuple(rows))
 
 
 def _task(row: Mapping[Any, Any]) -> tuple[str, str, str]:

@@ -164,14 +164,34 @@ def test_held_out_tasks_follow_the_grid_and_never_lead_it() -> None:
     assert together["label"].iloc[len(alone) :].tolist() == ["walking", "gallop", "gallop", "walking"]
 
 
-def test_a_task_whose_every_solve_failed_is_not_called_infeasible() -> None:
-    tasks = [(0.1, 0.4), (0.3, 0.4), (0.5, 0.4)]
-    labels = pd.DataFrame(
-        {"speed": [v for v, _ in tasks], "cycle_duration": [t for _, t in tasks], "split": "grid",
-         "status": ["infeasible", "infeasible", "solved"]}
-    )  # fmt: skip
-    solves = pd.DataFrame(
-        [(0.1, "failed"), (0.1, "failed"), (0.3, "failed"), (0.3, "infeasible"), (0.5, "failed"), (0.5, "solved")],
-        columns=["speed", "status"],
-    ).assign(cycle_duration=0.4, split="grid")
-    assert mark_failed(labels, solves)["status"].tolist() == ["failed", "infeasible", "solved"]
+IMPOSSIBLE = ("screened", "stance travel and swing speed do not fit into the cycle")
+DEARER = ("screened", "costs at least 9, the incumbent 8")
+NO_MOTION = ("infeasible", "Infeasible_Problem_Detected")
+LIMIT = ("failed", "Maximum_Iterations_Exceeded")
+
+
+@pytest.mark.parametrize(
+    ("tried", "status"),
+    [
+        ([NO_MOTION, NO_MOTION], "infeasible"),
+        ([NO_MOTION, IMPOSSIBLE], "infeasible"),
+        ([IMPOSSIBLE, ("screened", "no leg ever stands"), ("screened", "a leg never leaves the ground")], "infeasible"),
+        ([LIMIT, LIMIT], "failed"),
+        ([LIMIT, NO_MOTION], "failed"),
+        ([LIMIT, IMPOSSIBLE], "failed"),
+        ([NO_MOTION, ("probed", "costs 3 on the coarse mesh, too much to be promising")], "failed"),
+        ([NO_MOTION, ("probed", "no motion found on the coarse mesh: Infeasible_Problem_Detected")], "failed"),
+        ([NO_MOTION, DEARER], "failed"),
+        ([], "failed"),
+    ],
+)
+def test_a_task_is_infeasible_only_when_every_pattern_got_that_verdict(
+    tried: list[tuple[str, str]], status: str
+) -> None:
+    one, solved = Task(0.1, 0.4), Task(0.3, 0.4)
+    rows = [solve(one, WALK, np.nan, status=end, solver_status=said, violation=np.nan) for end, said in tried]
+    rows += [solve(solved, WALK, 2.0, solver_status="Solve_Succeeded")]
+    rows += [solve(solved, GALLOP, np.nan, status=end, solver_status=said) for end, said in tried]
+    solutions = pd.DataFrame(rows)
+    labels = label_tasks(gait_costs(solutions, LEGS), [one, solved], 1e-3)
+    assert mark_failed(labels, solutions)["status"].tolist() == [status, "solved"]

@@ -49,7 +49,7 @@ def test_axes_have_units_and_the_legend_says_what_is_there(labels, gaits, select
     won = labels[labels["status"] == "solved"]["gait"].value_counts()
     counts = [won.get(name, 0) for name in texts[: len(gaits)]]
     assert set(texts[: len(gaits)]) == set(gaits) and counts == sorted(counts, reverse=True)
-    assert texts[-4:] == ["grid task", "held-out task", "gaits tie", "infeasible task"]
+    assert texts[-4:] == ["grid task", "held-out task", "gaits tie", "no gait found"]
 
 
 def test_the_legend_of_long_diagrams_is_below_the_map(map_of) -> None:

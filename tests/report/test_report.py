@@ -39,12 +39,12 @@ def test_the_page_holds_the_pictures_that_were_written(written) -> None:
     assert inlined == {path.read_bytes() for path in paths if path.suffix == ".png"}
 
 
-def test_the_page_states_scenario_ties_infeasible_tasks_winner_and_origin(written, record, learning) -> None:
+def test_the_page_states_scenario_ties_unsolved_tasks_winner_and_origin(written, record, learning) -> None:
     html = (written[0] / PAGE).read_text(encoding="utf-8")
     for text in ("force 1.", "slope 0°", "12 speeds", "one stance", record["units_digest"], learning["rule"], "3e-09"):
         assert text in html
     assert re.search(r'<tr class="marked"><td>svm</td>', html)
-    assert re.search(r"<h2>Infeasible tasks</h2>.*<td>0.1</td><td>1.6</td><td>grid</td>", html, re.S)
+    assert re.search(r"<h2>Tasks without a gait</h2>.*<td>1.6</td><td>grid</td><td>infeasible</td>", html, re.S)
 
 
 def test_without_classifier_and_trajectories_there_is_a_map_and_a_page(

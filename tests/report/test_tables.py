@@ -11,12 +11,12 @@ from gaitflow.report.tables import (
     check_table,
     effort_table,
     gait_table,
-    infeasible_table,
     learning_table,
     number,
     percent,
     provenance_table,
     tie_table,
+    unsolved_table,
 )
 from gaitflow.solve.solution import Status
 
@@ -59,11 +59,11 @@ def test_gaps_between_knots_are_shown_when_given(labels) -> None:
     assert rows["walking"]["worst gap between knots [m or rad]"] == "0.001"
 
 
-def test_ties_and_infeasible_tasks_are_listed_one_by_one(labels) -> None:
+def test_ties_and_tasks_without_a_gait_are_listed_one_by_one(labels) -> None:
     ties = tie_table(labels)
     assert len(ties.rows) == (labels["ties"].map(len) > 1).sum()
     assert ties.rows[0] == ("0.1", "0.4", "grid", "walking, gallop-walk", "0.04 %", "walking")
-    assert infeasible_table(labels).rows == (("0.1", "1.6", "grid"),)
+    assert unsolved_table(labels).rows == (("0.1", "1.6", "grid", "infeasible"),)
 
 
 def test_effort_counts_every_end_and_the_worst_violation(solutions) -> None:
