@@ -40,7 +40,30 @@ _PAIRS = {"trot": ((0, 3), (1, 2)), "pace": ((0, 2), (1, 3)), "bound": ((0, 1), 
 _DIAGONALS = ({0, 3}, {1, 2})
 _FRONT, _HIND = {0, 1}, {2, 3}
 _MIRROR = (1, 0, 3, 2)
+_CORNERS = tuple((end, side) for end in (1, -1) for side in (1, -1))
+_PLACES = {
+    name: ((1 if end == "F" else -1), (1 if side == "L" else -1))
+    for end in "FHR"
+    for side in "LR"
+    for name in (end + side, side + end)
+}
 _COUNT = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
+
+
+def leg_place(name: str) -> tuple[int, int] | None:
+    """Where the leg is by its name: (1 front or -1 hind, 1 left or -1 right), the signs of its foot's x and y.
+
+    F is front, H (hind) or R (rear) the other end, L left, R right, in either order: LF, FL, RH, RR. None for others.
+    """
+    return _PLACES.get(name)
+
+
+def quadruped_places(leg_names: Sequence[str]) -> tuple[int, ...] | None:
+    """Where left front, right front, left hind and right hind are among the names; None for any other robot."""
+    places = [leg_place(name) for name in leg_names]
+    if len(places) != len(_CORNERS) or set(places) != set(_CORNERS):
+        return None
+    return tuple(places.index(corner) for corner in _CORNERS)
 
 
 def gait_name(gait: Pattern, leg_names: Sequence[str]) -> str:
@@ -55,7 +78,7 @@ def gait_name(gait: Pattern, leg_names: Sequence[str]) -> str:
     if sorted(leg_names) == sorted(_FIGURE_5_LEGS):
         front_first = gait.mirrored([list(leg_names).index(leg) for leg in _FIGURE_5_LEGS])
         return _FIGURE_5_NAMES.get(gait_of(front_first), drawn)
-    places = _quadruped(leg_names)
+    places = quadruped_places(leg_names)
     if places is None:
         return drawn
     kind = _kind(_placed(gait, places))
@@ -72,30 +95,23 @@ def gait_kind(gait: Pattern, leg_names: Sequence[str]) -> str:
     A beat is a moment at which one or more legs touch down; a flight is a phase without any stance.
 
     - All legs alike: pronk. Legs alike in diagonal pairs: trot; in left and right pairs: pace; in a front and a hind
-      pair: bound. Alike means in every phase, so a pair that lands together and lifts apart is none.
+      pair: bound. Alike means in every phase, so a pair that lands together and lifts apart is none; and every leg
+      lands, so a pair that never stands is none either.
     - A trot or pace with flight is running, one with all legs down in some phase and no flight is walking; with
       neither it is plain. A bound flies; without flight it is walking.
-    - Otherwise without flight: a walk, by its beats ("four-beat walk").
+    - Otherwise without flight: a walk, by its beats ("four-beat walk"). That some leg always stands is all that makes
+      it a walk, as in Fig. 8: its legs may each stand for less than half of the cycle, and a duty factor, which depends
+      on the durations of the phases, is no part of a name.
     - Otherwise with flight: a gallop when both hind legs land and then both front legs, in three or four beats;
       a canter when a hind leg, a diagonal pair and a front leg land in this order; any other is a run by its beats
       ("three-beat run"). Gallop and canter land each leg once a cycle.
 
-    Legs count as a quadruped's by their names: LF RF LH RH, FL FR HL HR, or the same with R (rear) for H. The kind of
-    any other robot's gait is its name. Raises ValueError as `diagram` does.
+    Legs count as a quadruped's by their names: one in each corner by `leg_place`. The kind of any other robot's gait is
+    its name. Raises ValueError as `diagram` does.
     """
     name = gait_name(gait, leg_names)
-    places = _quadruped(leg_names)
+    places = quadruped_places(leg_names)
     return name if places is None else _kind(_placed(gait, places))
-
-
-def _quadruped(leg_names: Sequence[str]) -> tuple[int, ...] | None:
-    """Where left front, right front, left hind and right hind stand among the names; None for any other robot."""
-    for hind in "HR":
-        corners = [(side, end) for end in ("F", hind) for side in "LR"]
-        for names in ([side + end for side, end in corners], [end + side for side, end in corners]):
-            if sorted(names) == sorted(leg_names):
-                return tuple(list(leg_names).index(name) for name in names)
-    return None
 
 
 def _placed(gait: Pattern, places: Sequence[int]) -> Pattern:
@@ -110,8 +126,9 @@ def _kind(gait: Pattern) -> str:
     flies, all_down = (0, 0, 0, 0) in columns, (1, 1, 1, 1) in columns
     if len(set(rows)) == 1 and flies and all_down:
         return "pronk"
+    all_land = all(gait.touchdowns(leg) for leg in range(4))
     for name, pairs in _PAIRS.items():
-        if len(set(rows)) == 2 and all(rows[a] == rows[b] for a, b in pairs):
+        if all_land and len(set(rows)) == 2 and all(rows[a] == rows[b] for a, b in pairs):
             if name == "bound":
                 return name if flies else f"walking {name}"
             return f"running {name}" if flies else f"walking {name}" if all_down else name

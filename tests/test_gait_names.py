@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gaitflow.gait_names import gait_kind, gait_name
+from gaitflow.gait_names import gait_kind, gait_name, leg_place, quadruped_places
 from gaitflow.gaits import Pattern, all_patterns, gait_of
 
 LEGS = ("LF", "RF", "LH", "RH")
@@ -103,6 +103,28 @@ def test_another_gait_of_a_kind_shows_its_contacts(kind: str, text: str) -> None
     assert gait_name(pattern, LEGS) == f"{kind} {gait_of(pattern, MIRROR).text}"
 
 
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        ("1000/0000/0000/1000", "one-beat run"),
+        ("01/00/01/00", "one-beat run"),
+        ("00/00/10/10", "one-beat run"),
+        ("0/0/1/1", "no-beat walk"),
+        ("1/0/0/1", "no-beat walk"),
+        ("11/01/01/11", "one-beat walk"),
+    ],
+)
+def test_a_pair_of_legs_that_never_lands_makes_no_pair_kind(text: str, kind: str) -> None:
+    pattern = Pattern.from_text(text)
+    assert gait_kind(pattern, LEGS) == kind
+    assert gait_name(pattern, LEGS) == f"{kind} {gait_of(pattern, MIRROR).text}"
+
+
+def test_a_walk_is_told_by_its_want_of_flight_whatever_its_duty() -> None:
+    pattern = Pattern.from_text("0001/0100/0010/1000")  # each leg stands for a quarter of the phases
+    assert gait_kind(pattern, LEGS) == "four-beat walk"
+
+
 def test_the_order_of_landing_tells_canter_and_gallop_from_runs() -> None:
     backwards = {kind: Pattern(tuple(row[::-1] for row in KINDS[kind].split("/"))) for kind in ("canter", "gallop")}
     assert gait_kind(backwards["canter"], LEGS) == "three-beat run"
@@ -173,7 +195,28 @@ def test_the_order_of_the_legs_changes_no_kind_and_no_plain_name(order: tuple[in
         assert gait_name(reordered, leg_names) == f"{gait_kind(reordered, leg_names)} {gait_of(reordered, mirror).text}"
 
 
-@pytest.mark.parametrize("leg_names", [("A", "B", "C", "D"), ("FL", "FR", "HL", "RR"), ("LF", "RF", "LM", "RM")])
+@pytest.mark.parametrize(
+    ("names", "place"),
+    [
+        (("LF", "FL"), (1, 1)),
+        (("RF", "FR"), (1, -1)),
+        (("LH", "HL", "LR", "RL"), (-1, 1)),
+        (("RH", "HR", "RR"), (-1, -1)),
+        (("F", "H", "L", "LM", "LL", "FF", "HH", "FH", "LFX", "A", ""), None),
+    ],
+)
+def test_the_place_that_a_name_tells(names: tuple[str, ...], place: tuple[int, int] | None) -> None:
+    assert {leg_place(name) for name in names} == {place}
+
+
+def test_a_quadruped_has_a_leg_in_each_corner() -> None:
+    assert quadruped_places(("FR", "FL", "RR", "RL")) == (1, 0, 3, 2)
+    assert quadruped_places(("FL", "RF", "HL", "RR")) == (0, 1, 2, 3), "spellings may be mixed"
+    assert quadruped_places(("FL", "LF", "HL", "RR")) is None
+    assert quadruped_places(("LF", "RF", "LH", "RH", "T")) is None
+
+
+@pytest.mark.parametrize("leg_names", [("A", "B", "C", "D"), ("FL", "LF", "HL", "RR"), ("LF", "RF", "LM", "RM")])
 def test_four_legs_that_are_no_quadruped_have_diagrams(leg_names: tuple[str, ...]) -> None:
     trot = Pattern.from_text("01/10/10/01")
     drawn = " / ".join(f"{name} {row}" for name, row in zip(leg_names, trot.rows, strict=True))
