@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from gaitflow.config import Config, read_yaml
+from gaitflow.gait_names import quadruped_places
 
 Positive = Annotated[float, Field(gt=0)]
 
@@ -37,7 +38,7 @@ class Robot(Config):
     max_force: Positive  # normal force of one foot [N]
     max_foot_speed: Positive  # along each axis [m/s]
     max_tilt: Annotated[float, Field(gt=0, lt=1.5)]  # along each angle [rad]
-    mirror: tuple[tuple[str, str], ...] = ()  # left-right pairs of legs that swap in a mirror image
+    mirror: tuple[tuple[str, str], ...] = ()  # left-right pairs of legs that swap in a mirror image; a quadruped's two
     source: str = ""  # where the numbers come from
 
     @model_validator(mode="after")
@@ -73,9 +74,24 @@ class Robot(Config):
                 f"mirror = {short(self.mirror)}: pairs of legs, none in two pairs or paired with itself; "
                 f"allowed: {', '.join(names)}"
             )
+        self._has_a_quadrupeds_mirror()
         if self.mirror:
             self._is_its_own_mirror_image()
         return self
+
+    def _has_a_quadrupeds_mirror(self) -> None:
+        """A quadruped's gaits are named up to left and right, so it may have no more gaits than that."""
+        places = quadruped_places(self.leg_names)
+        if places is None:
+            return
+        left_front, right_front, left_hind, right_hind = (self.leg_names[place] for place in places)
+        pairs = {frozenset((left_front, right_front)), frozenset((left_hind, right_hind))}
+        if set(map(frozenset, self.mirror)) != pairs:
+            raise ValueError(
+                f"mirror = {short(self.mirror)}: must be [[{left_front}, {right_front}], [{left_hind}, {right_hind}]] "
+                f"for legs called {', '.join(self.leg_names)}, whose gaits share a name with their mirror images; for "
+                "a body that is not left-right symmetric call the legs otherwise"
+            )
 
     def _is_its_own_mirror_image(self) -> None:
         """Gaits are merged under mirroring, which is right only for a body that is its own image to the last bit."""

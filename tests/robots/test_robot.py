@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -184,7 +185,39 @@ def test_a_lopsided_inertia_has_no_mirror(
     inertia = [list(line) for line in quadruped["inertia"]]
     inertia[row][column] = inertia[column][row] = 0.05
     assert said in refusal(quadruped | {"inertia": inertia}, tmp_path)
-    assert Robot.from_data(quadruped | {"inertia": inertia, "mirror": []}, "here").mirror == ()
+    lopsided = renamed(quadruped, "ABCD") | {"inertia": inertia, "mirror": []}
+    assert Robot.from_data(lopsided, "here").mirror == ()
+
+
+def renamed(quadruped: dict[str, Any], names: Sequence[str]) -> dict[str, Any]:
+    """The same feet under other names, no leg in a mirror pair."""
+    legs = [leg | {"name": name} for leg, name in zip(quadruped["legs"], names, strict=True)]
+    return quadruped | {"legs": legs, "mirror": []}
+
+
+@pytest.mark.parametrize("names", [("LF", "RF", "LH", "RH"), ("FL", "FR", "RL", "RR")])
+def test_legs_named_like_a_quadrupeds_need_its_mirror(
+    quadruped: dict[str, Any], tmp_path: Path, names: tuple[str, ...]
+) -> None:
+    """Their gaits' names know neither left nor right: without `mirror`, two canonical gaits would share one."""
+    said = refusal(renamed(quadruped, names), tmp_path)
+    left_front, right_front, left_hind, right_hind = names
+    assert said.startswith(
+        f"mirror = (): must be [[{left_front}, {right_front}], [{left_hind}, {right_hind}]] for legs called "
+    )
+    assert "call the legs otherwise" in said
+    assert Robot.from_data(renamed(quadruped, "ABCD"), "here").mirror == ()
+
+
+def test_a_quadrupeds_mirror_swaps_left_and_right(quadruped: dict[str, Any], tmp_path: Path) -> None:
+    feet = [[0.4, 0.2, -0.5], [-0.4, 0.2, -0.5], [0.4, -0.2, -0.5], [-0.4, -0.2, -0.5]]
+    turned = quadruped | {
+        "legs": [leg | {"default_foot": foot} for leg, foot in zip(quadruped["legs"], feet, strict=True)],
+        "mirror": [["LF", "LH"], ["RF", "RH"]],
+    }
+    assert refusal(turned, tmp_path).startswith("mirror = (('LF', 'LH'), ('RF', 'RH')): must be [[LF, RF], [LH, RH]]")
+    other_order = quadruped | {"mirror": [["RH", "LH"], ["LF", "RF"]]}
+    assert Robot.from_data(other_order, "here").mirror_permutation == (1, 0, 3, 2)
 
 
 def test_in_the_plane_paired_feet_are_in_one_place(planar: dict[str, Any], tmp_path: Path) -> None:
