@@ -17,7 +17,7 @@ from typing import Any
 import pandas as pd
 import pytest
 from cluster import NODES, Cluster, program_path
-from disturbed import SLOW_S, Row, Run, undisturbed
+from disturbed import POOL, SLOW_S, Row, Run, undisturbed
 
 from gaitflow.scenario import Scenario, load_scenario
 
@@ -247,6 +247,10 @@ def test_a_walltime_ends(make_run: Callable[..., Run], judge: Callable[..., None
     run.wait_until(lambda: "JobState=TIMEOUT" in cluster.completed(), 150)
     begin = time.time()
     judge(run, "walltime", hit, run.wait_for_pool(hit) - begin)
+    solvers = {entry.solver for entry in run.journal()}
+    assert len(solvers) >= 2 * POOL, "no worker came to the end of its lifetime"
+    starts = sum(entry.event == "start" for entry in run.journal())
+    assert starts == UNITS + 1, "a worker that ended at its lifetime lost the unit in work"
 
 
 def test_a_poison_unit_is_given_up(
