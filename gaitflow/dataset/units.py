@@ -25,6 +25,7 @@ from gaitflow.scenario import Scenario
 
 RESTARTS_PER_UNIT = 5  # Bonmin runs of one task that are solved together
 SOLVER_SOURCES = ("problem/*.py", "solve/*.py", "gaits.py", "check.py", "trajectory.py")
+_ENCODER = json.JSONEncoder(sort_keys=True, separators=(",", ":"), allow_nan=False)  # as `scenario.digest_of` has it
 PROBLEM_FIELDS = ("robot", "terrain", "objective", "transcription", "stances_per_leg")
 
 
@@ -189,7 +190,7 @@ def _seed_slices(first: int, count: int) -> Iterable[tuple[int, ...]]:
 
 
 def _canonical(data: Any) -> str:
-    return json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return _ENCODER.encode(data)
 
 
 def _split(text: Any) -> Split:
