@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from gaitflow.runtime import Plan
 
 GUIDED_REMARK = (
-    "the search was guided: a pick counts as infeasible where it was not solved at that task, be it for want of a motion "
-    "or because a probe was too dear to go on with; regret is over the other picks"
+    "the search was guided: a pick counts as infeasible where it was not solved at that task, be it for want of a "
+    "motion or because a probe was too dear to go on with; regret is over the other picks"
 )
 KEPT_GAITS = 3  # cheapest gaits of a task that keep their trajectory in a published dataset
 
