@@ -153,7 +153,7 @@ def _decide(scenario: Scenario, store: UnitStore) -> dict[str, Any]:
         run_units(units, store, no_cluster)
     except _Decided:
         decided_at = time.perf_counter()
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    peak = _peak_mb()
     listing = time.perf_counter()
     stored = store.solved()
     listed = time.perf_counter()
@@ -187,6 +187,15 @@ def _pack(scenario: Scenario, store: UnitStore) -> dict[str, Any]:
     start = time.perf_counter()
     done = compact(store)
     return {"compact_s": time.perf_counter() - start, "packs": done.packs, "packed_mb": done.bytes / 1e6}
+
+
+def _peak_mb() -> float:
+    """Peak memory of this program. `ru_maxrss` would be at least that of the process that started it."""
+    try:
+        status = Path("/proc/self/status").read_text(encoding="ascii")
+        return int(status.partition("VmHWM:")[2].split()[0]) / 1024
+    except (OSError, IndexError, ValueError):
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 def _stored(units: Sequence[Unit]) -> Sequence[Unit]:
