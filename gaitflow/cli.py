@@ -10,6 +10,7 @@ try:
     import click
 
     from gaitflow import stages
+    from gaitflow.cli_bench import bench
     from gaitflow.cli_cluster import cancel, doctor, submit
     from gaitflow.cli_compact import compact
     from gaitflow.cli_errors import bad_input, fail, print_json
@@ -20,12 +21,6 @@ try:
 except ImportError as error:
     sys.exit(f'gaitflow: the command line needs more than the runtime ({error}): pip install "gaitflow[all]"')
 
-BENCHES = (
-    "certificate", "discovery", "faults", "map", "minlp", "overhead", "phases", "ranking", "scaling", "select",
-    "speedup", "stances", "store", "table1", "table2",
-)  # fmt: skip
-PIPED_WIDTH = 160  # a table in a file need not fit a terminal
-DEFAULT_SCENARIO = "half-cheetah-flat-effort"
 scenario_argument = click.argument("scenario")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
 workers_option = click.option("--workers", default=2, show_default=True, type=click.IntRange(1, 1024))
@@ -344,59 +339,6 @@ def report(workspace: Workspace, scenario: str | None, claims: bool, as_json: bo
     return print_json([str(path) for path in paths]) if as_json else click.echo("\n".join(map(str, paths)))
 
 
-@main.command()
-@click.argument("name", type=click.Choice(BENCHES))
-@click.option("--scenario", default=DEFAULT_SCENARIO, show_default=True)
-@click.option("--tasks", type=click.IntRange(1), help="How many tasks; by default the bench's own number.")
-@click.option("--seed", default=0, show_default=True)
-@click.option(
-    "--profile",
-    type=click.Path(exists=True, dir_okay=False, path_type=Path),
-    help="speedup only: on the jobs of this Slurm cluster.",
-)
-@json_option
-@click.pass_obj
-def bench(
-    workspace: Workspace, name: str, scenario: str, tasks: int | None, seed: int, profile: Path | None, as_json: bool
-) -> None:
-    """Measure NAME and write docs/results/NAME-SCENARIO.json; a bench that was stopped goes on.
-
-    \b
-    discovery  pattern search against Bonmin's restarts: cost and CPU time
-    table1     the paper's Table I: MINLP, random starts, warm starts
-    table2     its Table II, with the MINLP's runs of `bench minlp` (after `gaitflow run`)
-    minlp      Bonmin for an hour on one task, its incumbents and gap, beside our search
-    scaling    CPU time of one pattern by legs, phases and knots; of two robots, whatever SCENARIO says
-    map        what making a map took, every label checked again (after `gaitflow run`)
-    select     loading a map and asking it
-    stances    what one stance per leg costs (needs the runs of SCENARIO and SCENARIO-free)
-    phases     what more phases gain (SCENARIO is S-eight-phases; needs its run and that of S)
-    ranking    the gaits of each task by cost and what they ask of the robot (after `gaitflow solve`)
-    certificate  exhaustive search of some tasks beside their labels (after `gaitflow label`)
-    faults     kill -9 of workers and runs
-    store      planning, resuming, checking and packing 10^3 to 10^5 units (or --tasks)
-    overhead   what handing out a unit costs, and start-up to the first solve
-    speedup    two workers over one on the same units, here or with --profile on Slurm
-    Example: gaitflow bench select --scenario quickstart
-    """
-    from rich.console import Console
-
-    from gaitflow.bench.document import summary_table, write
-    from gaitflow.bench.measure import measure
-    from gaitflow.execute.profile import load_profile
-
-    with bad_input():
-        cluster = None if profile is None else load_profile(profile)
-        done = measure(name, workspace, workspace.scenario(scenario), tasks, seed, cluster)
-        path = write(done, workspace.results)
-    if as_json:
-        return print_json(done)
-    console = Console()
-    console = console if console.is_terminal else Console(width=PIPED_WIDTH)
-    console.print(summary_table(done))
-    click.echo(path)
-
-
 def quality(data: dict[str, Any]) -> str:
     """One line of a method's numbers."""
     if not data["tasks"]:
@@ -410,6 +352,7 @@ def quality(data: dict[str, Any]) -> str:
 main.add_command(compact)
 main.add_command(cancel)
 main.add_command(doctor)
+main.add_command(bench)
 main.add_command(robot)
 main.add_command(show)
 main.add_command(submit)

@@ -9,7 +9,8 @@ from pathlib import Path
 import click
 import pytest
 
-from gaitflow.cli import BENCHES, main
+from gaitflow.cli import main
+from gaitflow.cli_bench import BENCHES
 from gaitflow.execute.profile import Driver, Profile, load_profile
 from gaitflow.scenario import Strategy
 
