@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from xml.etree import ElementTree
 
+import numpy as np
+from numpy.typing import NDArray
+
 from gaitflow.config import ConfigError
+
+Array = NDArray[np.float64]
 
 MAX_BYTES = 4_000_000
 MAX_ELEMENTS = 50_000
 MAX_LINKS = 1_000  # a legged robot has some dozens; the tree is walked recursively by the library that reads it
+NEGLIGIBLE = 0.01  # of all links' moments: makers give cameras and empty base links placeholders that no body has
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 INSTALLED = ("share", "site-packages")  # folders below which a path is the same on every machine
 
@@ -66,12 +73,13 @@ def read_description(path: Path) -> Description:
         raise ConfigError(
             f"{path}: {elements} elements, {links} links; the most it may have are {MAX_ELEMENTS} and {MAX_LINKS}"
         )
-    masses = [_mass(path, link) for link in root.iterfind("link") if link.find("inertial") is not None]
-    return Description(path, name, text, sum(masses))
+    bodies = {link.get("name"): _body(path, link) for link in root.iterfind("link[inertial]")}
+    _check_moments(path, {link: inertia for link, (_, inertia) in bodies.items()})
+    return Description(path, name, text, sum(mass for mass, _ in bodies.values()))
 
 
-def _mass(path: Path, link: ElementTree.Element) -> float:
-    """Mass of a link with an <inertial>, whose numbers must all be numbers: urdfdom would go on without them."""
+def _body(path: Path, link: ElementTree.Element) -> tuple[float, Array]:
+    """Mass [kg] and inertia [3, 3] kg m^2 of a link, whose numbers must all be numbers: urdfdom would go on without."""
     stated = {"mass": ("value",), "inertia": MOMENTS}
     texts: dict[str, str] = {}
     for part, keys in stated.items():
@@ -82,7 +90,21 @@ def _mass(path: Path, link: ElementTree.Element) -> float:
             raise ConfigError(
                 f"{path}: link {link.get('name')!r} has {what} = {text[:40]!r}: must be a number, mass >= 0"
             )
-    return float(texts["mass value"])
+    xx, xy, xz, yy, yz, zz = (float(texts[f"inertia {key}"]) for key in MOMENTS)
+    return float(texts["mass value"]), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def _check_moments(path: Path, inertias: Mapping[str | None, Array]) -> None:
+    """Raises ConfigError for a link whose inertia no body has, unless what is wrong is too little to matter."""
+    moments = {link: np.linalg.eigvalsh(inertia) for link, inertia in inertias.items()}
+    total = sum(float(np.abs(own).max()) for own in moments.values())
+    for link, own in moments.items():
+        if own[2] - own[1] - own[0] > NEGLIGIBLE * total:  # of a negative moment, too: own is sorted
+            raise ConfigError(
+                f"{path}: link {link!r} has an inertia with the principal moments "
+                f"{' and '.join(f'{moment:.4g}' for moment in own)} kg m^2; of a body none is negative or larger than "
+                "the sum of the other two"
+            )
 
 
 def _number(text: str) -> float:

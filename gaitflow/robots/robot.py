@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 from gaitflow.config import Config, read_yaml
 from gaitflow.gait_names import quadruped_places
 
+ROUNDING = 1e-6  # relative, of the digits that a robot's moments are written with
 Positive = Annotated[float, Field(gt=0)]
 
 
@@ -50,8 +51,14 @@ class Robot(Config):
                 f"inertia = {short(self.inertia)}: must be {rows} row(s) of {rows} number(s) when dimension is {d}"
             )
         inertia = np.array(self.inertia)
-        if not np.allclose(inertia, inertia.T) or np.linalg.eigvalsh(inertia).min() <= 0:
+        moments = np.linalg.eigvalsh(inertia)
+        if not np.allclose(inertia, inertia.T) or moments[0] <= 0:
             raise ValueError(f"inertia = {self.inertia}: must be symmetric and positive definite [kg m^2]")
+        if d == 3 and moments[2] > (moments[0] + moments[1]) * (1 + ROUNDING):
+            raise ValueError(
+                f"inertia: its principal moments are {' and '.join(f'{moment:.4g}' for moment in moments)} kg m^2: no "
+                "body has one that is larger than the sum of the other two"
+            )
         if len(self.box) != d:
             raise ValueError(f"box = {short(self.box)}: must have {d} half lengths when dimension is {d}")
         for leg in self.legs:

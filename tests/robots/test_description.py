@@ -82,6 +82,36 @@ def test_what_is_no_robot(write: Write, text: str, said: str) -> None:
     assert said in refusal(write(text))
 
 
+def links(*moments: tuple[float, float, float]) -> str:
+    """A robot with a link a triple of moments, 1 kg each."""
+    parts = [
+        f'<link name="l{index}"><inertial><mass value="1"/><inertia ixx="{xx}" iyy="{yy}" izz="{zz}" ixy="0" ixz="0" '
+        'iyz="0"/></inertial></link>'
+        for index, (xx, yy, zz) in enumerate(moments)
+    ]
+    return f'<robot name="a">{"".join(parts)}</robot>'
+
+
+@pytest.mark.parametrize("moments", [(0.3, 0.8, 5.0), (-0.1, 0.8, 0.9), (0.3, 0.8, 1.2), (0.0, 0.0, 1.0)])
+def test_moments_that_no_body_has(write: Write, moments: tuple[float, float, float]) -> None:
+    said = refusal(write(links((0.3, 0.8, 0.9), moments)))
+    assert "link 'l1' has an inertia with the principal moments " in said
+    assert "none is negative or larger than the sum of the other two" in said
+
+
+def test_a_turned_inertia_is_judged_by_its_principal_moments(write: Write) -> None:
+    turned = '<inertia ixx="1" ixy="0.9" ixz="0" iyy="1" iyz="0" izz="0.15"/>'  # 0.1, 0.15 and 1.9
+    text = f'<robot name="a"><link name="l"><inertial><mass value="1"/>{turned}</inertial></link></robot>'
+    assert "0.1 and 0.15 and 1.9 kg m^2" in refusal(write(text))
+
+
+@pytest.mark.parametrize("moments", [(0.1, 0.2, 0.1 + 0.2), (0.0, 0.0, 0.0), (0.0, 0.1, 0.1), (0.0, 0.0, 3e-6)])
+def test_flat_bodies_points_and_placeholders_too_small_to_matter_are_read(
+    write: Write, moments: tuple[float, float, float]
+) -> None:
+    assert read_description(write(links((0.3, 0.8, 0.9), moments))).mass == 2.0
+
+
 def test_a_missing_file(tmp_path: Path) -> None:
     assert "cannot be read" in refusal(tmp_path / "no.urdf")
 

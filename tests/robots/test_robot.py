@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import yaml
 from pydantic import ValidationError
+from scipy.spatial.transform import Rotation
 
 from gaitflow.config import ConfigError
 from gaitflow.robots import Robot, load_robot
@@ -151,6 +152,22 @@ def test_a_missing_field_is_named(planar: dict[str, Any], tmp_path: Path, field:
 )
 def test_an_inertia_that_no_body_has(quadruped: dict[str, Any], tmp_path: Path, inertia: list[list[float]]) -> None:
     assert "must be symmetric and positive definite" in refusal(quadruped | {"inertia": inertia}, tmp_path)
+
+
+@pytest.mark.parametrize("largest", [5.0, 3.00001])
+def test_principal_moments_obey_the_triangle_inequality(
+    quadruped: dict[str, Any], tmp_path: Path, largest: float
+) -> None:
+    turn = Rotation.from_euler("y", 0.3).as_matrix()  # keeps the body left-right symmetric
+    inertia = turn @ np.diag([1.0, 2.0, largest]) @ turn.T
+    said = refusal(quadruped | {"inertia": ((inertia + inertia.T) / 2).round(9).tolist()}, tmp_path)
+    assert said.startswith("inertia: its principal moments are 1 and 2 and ")
+    assert "no body has one that is larger than the sum of the other two" in said
+
+
+def test_a_flat_body_has_one_moment_that_is_the_sum_of_the_others(quadruped: dict[str, Any]) -> None:
+    plate = [[0.1, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.1 + 0.2]]
+    assert Robot.from_data(quadruped | {"inertia": plate}, "here").inertia[2][2] == 0.1 + 0.2
 
 
 def test_a_leg_in_two_mirror_pairs(quadruped: dict[str, Any], tmp_path: Path) -> None:
