@@ -42,6 +42,8 @@ def show(
     """
     if gait is not None and rank is not None:
         raise click.UsageError("give --gait or --rank, not both")
+    if output is not None and strip is not None and output.resolve() == strip.resolve():
+        raise click.UsageError(f"--output and --strip are both {output}; the second would overwrite the first")
     with bad_input():
         from gaitflow.dataset.read import load_solutions
         from gaitflow.files import atomic_write

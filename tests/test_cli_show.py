@@ -106,3 +106,11 @@ def test_a_folder_without_a_dataset_and_a_folder_that_cannot_be_written(planar: 
 
 def test_help_has_an_example() -> None:
     assert "Example: gaitflow show " in ask("--help").stdout
+
+
+def test_one_file_cannot_be_both(planar: Path, tmp_path: Path) -> None:
+    asked = "--speed", 0.9, "--cycle", 0.6, "--output", tmp_path / "motion", "--strip", tmp_path / "." / "motion"
+    answer = ask(planar, *asked)
+    assert answer.exit_code == 2
+    assert "overwrite" in answer.output
+    assert not (tmp_path / "motion").exists()
