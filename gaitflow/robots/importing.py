@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from gaitflow.config import ConfigError
+from gaitflow.gait_names import leg_place
 from gaitflow.robots.chain import LegChain
 from gaitflow.robots.description import read_description
 from gaitflow.robots.limits import max_foot_speed, max_vertical_force
@@ -112,12 +113,15 @@ def _leg_names(request: Request) -> tuple[str, ...]:
 
 
 def _check_sides(names: Sequence[str], links: Sequence[str], feet: Array) -> None:
-    """Legs called LF, RF, LH, RH must stand where their names say, below the body. feet [legs, 3] m."""
+    """Legs must stand below the body and where their names say (see `leg_place`). feet [legs, 3] m."""
+    places = {name: leg_place(name) for name in names}
+    # Without a front leg, R is no rear: RL is then a right leg.
+    placed = any(place is not None and place[0] > 0 for place in places.values())
     for name, link, foot in zip(names, links, feet, strict=True):
         where = f"({', '.join(f'{value:.3f}' for value in foot)}) m from the centre of mass"
         if foot[2] >= 0:
             raise ConfigError(f"foot {link} is at {where}, not below it: the base link's z must point up")
-        expected = (1 if name[1] == "F" else -1, 1 if name[0] == "L" else -1) if name in QUADRUPED else None
+        expected = places[name] if placed else None
         if expected and tuple(np.sign(foot[:2])) != expected:
             raise ConfigError(
                 f"foot {link} is at {where}, which is no place for leg {name}: x points forward and y to the left; "

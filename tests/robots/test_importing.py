@@ -114,6 +114,23 @@ def test_what_cannot_be_imported(request_: Request, change: dict[str, Any], said
         import_robot(replace(request_, **change))
 
 
+@pytest.mark.parametrize("legs", [("FL", "FR", "RL", "RR"), ("LF", "RF", "LH", "RH"), ("FL", "FR", "HL", "HR")])
+def test_front_and_hind_swapped_are_found_however_legs_are_spelt(request_: Request, legs: tuple[str, ...]) -> None:
+    assert import_robot(replace(request_, legs=legs)).robot.leg_names == legs
+    swapped = replace(request_, legs=legs, feet=("LH_foot", "RH_foot", "LF_foot", "RF_foot"))
+    with pytest.raises(ConfigError, match=f"foot LH_foot is at .* which is no place for leg {legs[0]}"):
+        import_robot(swapped)
+    mirrored = replace(request_, legs=legs, feet=("RF_foot", "LF_foot", "RH_foot", "LH_foot"))
+    with pytest.raises(ConfigError, match=f"foot RF_foot is at .* which is no place for leg {legs[0]}"):
+        import_robot(mirrored)
+
+
+def test_a_right_leg_is_no_rear_left_one(request_: Request) -> None:
+    """RL tells a place only where another leg is a front one."""
+    names = ("LL", "RL", "LA", "RA")
+    assert import_robot(replace(request_, legs=names)).robot.leg_names == names
+
+
 def test_a_robot_on_its_back(request_: Request, by_hand: Any) -> None:
     turned = by_hand.standing.replace("HAA=0", "HAA=3.14159")
     with pytest.raises(ConfigError, match="not below it: the base link's z must point up"):
