@@ -25,13 +25,12 @@ from gaitflow.execute.solver_process import SOLVE
 from gaitflow.scenario import Scenario
 
 WORKERS = (1, 2)
-TASKS = 72
-TASKS_PER_UNIT = 3  # in the plane a unit of about 10 s
+TASKS = 72  # one a unit, in the plane some 3.5 s each: the longer the units, the longer a worker idles at the end
 DURATIONS = 4
 STARTED_S = 600.0  # within which the workers have to be there
 NOTES = (
-    "The same units, in random order, by one worker and then by two; each run has a store of its own. span_s: from "
-    "the start of the first unit, with all workers connected, to when the last part was stored.",
+    "The same units, a task each, in random order, by one worker and then by two; each run has a store of its own. "
+    "span_s: from the start of the first unit, with all workers connected, to when the last part was stored.",
     "speedup: span with one worker over span with two; efficiency: the same over two. cpu_ratio: CPU time with two "
     "over CPU time with one, above 1 where the cores get in each other's way or are shared. busy: the share of "
     "workers x span in which a unit was in work; the rest is overhead and the idle worker at the end.",
@@ -47,7 +46,7 @@ def run(
 ) -> dict[str, Any]:
     """The document: a row a number of workers. Works in, and empties, a folder below `runs`, which nodes must share.
 
-    `tasks` of the scenario's grid are solved, spread over it, `TASKS_PER_UNIT` a unit. Raises what `slurm_client` does.
+    `tasks` of the scenario's grid are solved, spread over it, one a unit. Raises what `slurm_client` does.
     """
     units = plan_units(spread(scenario, tasks))
     (runs / "bench").mkdir(parents=True, exist_ok=True)
@@ -58,15 +57,15 @@ def run(
 
 
 def spread(scenario: Scenario, tasks: int) -> Scenario:
-    """The scenario on a grid of about `tasks` tasks over the same rectangle, in chains of TASKS_PER_UNIT speeds."""
+    """The scenario on a grid of about `tasks` tasks over the same rectangle, one a unit."""
     data = scenario.as_data()
     grid = data["tasks"]
     durations = min(DURATIONS, grid["cycle_duration"]["count"])
-    speeds = max(2, round(tasks / durations / TASKS_PER_UNIT) * TASKS_PER_UNIT)
+    speeds = max(2, round(tasks / durations))
     grid["cycle_duration"]["count"], grid["speed"]["count"], grid["held_out"] = durations, speeds, 0
     if durations == 1:
         grid["cycle_duration"]["stop"] = grid["cycle_duration"]["start"]
-    data["strategy"]["tasks_per_unit"] = TASKS_PER_UNIT
+    data["strategy"]["tasks_per_unit"] = 1
     return Scenario.from_data(data, scenario.name)
 
 

@@ -18,8 +18,8 @@ def test_tasks_are_spread_over_the_scenario_s_rectangle(scenario: Scenario) -> N
     cut = spread(scenario, 36)
     assert cut.tasks.speed.start == scenario.tasks.speed.start and cut.tasks.speed.stop == scenario.tasks.speed.stop
     units = plan_units(cut)
-    assert {len(unit.tasks) for unit in units} == {3}
-    assert abs(sum(len(unit.tasks) for unit in units) - 36) <= 6
+    assert {len(unit.tasks) for unit in units} == {1}, "the last unit of a long one leaves the other worker idle"
+    assert len(units) == 36
 
 
 def entry(unit: str, solver: str, start: float, end: float) -> list[Entry]:
@@ -39,7 +39,7 @@ def test_speedup_and_what_explains_it() -> None:
 
 @pytest.mark.slow
 def test_two_workers_are_faster_where_units_only_wait(scenario: Scenario, tmp_path: Path) -> None:
-    done = run(scenario, 24, runs=tmp_path, solve="gaitflow.bench.idle:one_second")
+    done = run(scenario, 8, runs=tmp_path, solve="gaitflow.bench.idle:one_second")
     assert done["bench"] == "speedup" and [row["workers"] for row in done["rows"]] == [1, 2]
     assert {row["units"] for row in done["rows"]} == {8}
     assert 1.2 < done["summary"]["speedup"] <= 2.2
