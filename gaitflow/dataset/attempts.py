@@ -35,23 +35,26 @@ class Attempts:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
 
-    def record(self, unit: Unit, reason: str, detail: str = "") -> int:
-        """Write down one more attempt and return how many there are. Raises WriteError."""
+    def record(self, unit: Unit, reason: str, detail: str = "", last: bool = False) -> int:
+        """Write down one more attempt and return its number. Raises WriteError.
+
+        After the `last` one the unit is given up, however few there were.
+        """
         date = datetime.now(UTC).isoformat(timespec="seconds")
         data = {"reason": reason, "date": date, "detail": detail[-DETAIL_CHARACTERS:], "tasks": unit.as_data()["tasks"]}
-        number = self.count(unit) + 1
+        number = max(self.count(unit) + 1, MAX_ATTEMPTS if last else 1)
         while not publish_once(self.folder / unit.digest / f"{number}.json", json.dumps(data, indent=1).encode()):
             number += 1
         return number
 
     def count(self, unit: Unit) -> int:
-        """How many attempts at this unit came to nothing."""
-        return len(list((self.folder / unit.digest).glob("*.json")))
+        """The number of the latest attempt at this unit that came to nothing, 0 without one."""
+        return _latest(self.folder / unit.digest)
 
     def given_up(self) -> set[str]:
         """Digests of the units with no attempt left."""
         folders = self.folder.iterdir() if self.folder.is_dir() else ()
-        return {folder.name for folder in folders if len(list(folder.glob("*.json"))) >= MAX_ATTEMPTS}
+        return {folder.name for folder in folders if _latest(folder) >= MAX_ATTEMPTS}
 
     def of(self, unit: Unit) -> list[Attempt]:
         """This unit's attempts, oldest first."""
@@ -66,7 +69,8 @@ class Attempts:
 def failed_solutions(unit: Unit, attempts: list[Attempt]) -> list[Solution]:
     """Rows that say a unit was given up: one a task, status "failed", `solver_status` such as "crashed: SIGSEGV x3"."""
     reasons = list(dict.fromkeys(attempt.reason for attempt in attempts))
-    text = ", ".join(f"{reason} x{sum(a.reason == reason for a in attempts)}" for reason in reasons)
+    counts = {reason: sum(attempt.reason == reason for attempt in attempts) for reason in reasons}
+    text = ", ".join(f"{reason} x{count}" if count > 1 else reason for reason, count in counts.items())
     strategy, robot = unit.scenario.strategy, unit.scenario.robot
     pattern = strategy.pattern or ""
     gait = gait_of(Pattern.from_text(pattern), robot.mirror_permutation).text if pattern else ""
@@ -99,5 +103,12 @@ def _read(file: Path) -> Attempt:
         reason, date, detail = str(data["reason"]), str(data["date"]), str(data["detail"])
     except (OSError, ValueError, KeyError, TypeError):
         reason, date, detail = "unreadable record", "", f"{file.name} cannot be read"
-    number = int(file.stem) if file.stem.isdigit() else 0
-    return Attempt(file.parent.name, number, reason, date, detail)
+    return Attempt(file.parent.name, _number(file), reason, date, detail)
+
+
+def _latest(folder: Path) -> int:
+    return max(map(_number, folder.glob("*.json")), default=0)
+
+
+def _number(file: Path) -> int:
+    return int(file.stem) if file.stem.isdecimal() else 0

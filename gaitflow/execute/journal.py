@@ -1,27 +1,29 @@
-"""A run's journal: one line when a solve of a unit starts and one when its part is stored.
+"""A run's journal: one line when a solve of a unit starts and one when its part is stored, or it ended without.
 
-It tells how much time went where; what is solved only the store knows. Every solver process appends to a file of its
-own, so that lines of many machines never mix.
+It tells how much time went where and which solves never came to an end; what is solved only the store knows. Every
+solver process has a file of its own, so that lines of many machines never mix; its worker adds the last line when the
+process is gone. A worker that was killed together with its solver leaves a start that nothing follows.
 """
 
 from __future__ import annotations
 
 import json
 import os
-import secrets
 import time
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-Event = Literal["start", "stored"]
+Event = Literal["start", "stored", "ended"]
+TAIL_BYTES = 4096  # more than two lines
 
 
 @dataclass(frozen=True)
 class Entry:
     """One line. `time` in seconds since 1970; `solver`: the process, its id and a random word; `kept`: came first.
 
-    `cpu_s` and `wall_s` are those of the whole unit, 0 at its start.
+    `cpu_s` and `wall_s` are those of the whole unit that was stored, else 0.
     """
 
     event: Event
@@ -34,11 +36,11 @@ class Entry:
 
 
 class Journal:
-    """Appends entries to a new file below `folder` (`<store>/journal`)."""
+    """Appends entries to the file of one solver process below `folder` (`<store>/journal`)."""
 
-    def __init__(self, folder: Path) -> None:
-        self._solver = f"{os.getpid()}-{secrets.token_hex(4)}"
-        self._path = folder / f"{self._solver}.jsonl"
+    def __init__(self, folder: Path, solver: str) -> None:
+        self._solver = solver
+        self._path = folder / f"{solver}.jsonl"
 
     def started(self, unit: str) -> None:
         """A solve of this unit begins."""
@@ -47,6 +49,10 @@ class Journal:
     def stored(self, unit: str, cpu_s: float, wall_s: float, kept: bool) -> None:
         """The unit was solved and a part with its digest is in the store."""
         self._append(Entry("stored", unit, time.time(), self._solver, cpu_s, wall_s, kept))
+
+    def ended(self, unit: str) -> None:
+        """The solve of this unit is over, and nothing was stored."""
+        self._append(Entry("ended", unit, time.time(), self._solver))
 
     def _append(self, entry: Entry) -> None:
         self._path.parent.mkdir(parents=True, exist_ok=True)
@@ -58,9 +64,41 @@ def read_journal(folder: Path) -> list[Entry]:
     """All entries of a run in the order of time; a line that a kill cut short is left out."""
     entries = []
     for file in folder.glob("*.jsonl"):
-        for line in file.read_text(encoding="utf-8", errors="replace").splitlines():
-            try:
-                entries.append(Entry(**json.loads(line)))
-            except (TypeError, ValueError):
-                continue
+        entries += _entries(file.read_text(encoding="utf-8", errors="replace"))
     return sorted(entries, key=lambda entry: entry.time)
+
+
+def unended(folder: Path) -> dict[str, list[str]]:
+    """Units that were begun by solvers of which nothing was heard since, by digest: those solvers.
+
+    A solver at work is one of them. Only the ends of the files are read, so that this can be asked at any time.
+    """
+    found: dict[str, list[str]] = {}
+    for file in folder.glob("*.jsonl"):
+        last = _entries(_tail(file))[-1:]
+        if last and last[0].event == "start":
+            found.setdefault(last[0].unit, []).append(last[0].solver)
+    return found
+
+
+def write_off(folder: Path, unit: str, solvers: Iterable[str]) -> None:
+    """Write the end of a unit into the files of solvers that are gone. Raises OSError."""
+    for solver in solvers:
+        Journal(folder, solver).ended(unit)
+
+
+def _entries(text: str) -> list[Entry]:
+    entries = []
+    for line in text.splitlines():
+        try:
+            entries.append(Entry(**json.loads(line)))
+        except (TypeError, ValueError):
+            continue
+    return entries
+
+
+def _tail(path: Path) -> str:
+    with open(path, "rb") as file:
+        size = file.seek(0, os.SEEK_END)
+        file.seek(max(0, size - TAIL_BYTES))
+        return file.read().decode(errors="replace")

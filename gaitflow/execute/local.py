@@ -11,9 +11,11 @@ from multiprocessing import resource_tracker
 import dask
 from distributed import Client, LocalCluster
 
+from gaitflow.execute.vanished import MOST_VANISHED
+
 SETTINGS = {
-    # Attempts are counted by the store, where they outlive the scheduler; a worker's death is no unit's fault.
-    "distributed.scheduler.allowed-failures": 1_000_000,
+    # A worker's death is no unit's fault. After so many of them the run asks the journal, which outlives the scheduler.
+    "distributed.scheduler.allowed-failures": MOST_VANISHED - 1,
     # Nothing is served over HTTP.
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],

@@ -16,15 +16,15 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from types import FrameType
 
-from distributed import Client, Future, wait
+from distributed import Client, Future, KilledWorker, wait
 
-from gaitflow.dataset.attempts import MAX_ATTEMPTS
 from gaitflow.dataset.checked import validate_changed
 from gaitflow.dataset.store import UnitStore
 from gaitflow.dataset.units import Unit
 from gaitflow.execute.receipt import Receipt
 from gaitflow.execute.solver import SolverClosed
 from gaitflow.execute.solver_process import SOLVE
+from gaitflow.execute.vanished import give_up_vanished
 from gaitflow.execute.worker import SolverPlugin, solve_unit
 
 UNITS_PER_WORKER = 3  # submitted at a time: one in work, the next at hand
@@ -88,6 +88,7 @@ def run_units(
         if missing:
             # In random order the time left is estimated from a fair sample, and two runs on one store seldom meet.
             random.shuffle(missing)
+            give_up_vanished(store, missing)
             with _stop_request() as stop, open_client() as client:
                 _drain(missing, store, client, count, stop, window, solve)
             if stop.is_set() and count.state.left:
@@ -120,7 +121,7 @@ class _Count:
         name = receipt.unit[:12]
         notes = [f"unit {name}: {reason}" for reason in receipt.attempts]
         if receipt.outcome == "failed":
-            notes.append(f"unit {name}: given up after {MAX_ATTEMPTS} attempts: {receipt.error}")
+            notes.append(f"unit {name}: given up: {receipt.error}")
         failed = int(receipt.outcome == "failed")
         self.tell(*notes, solved=1 - failed, failed=failed)
 
@@ -148,6 +149,8 @@ def _drain(
             unit = flying.pop(future)
             receipt = _receipt(future)
             if receipt is None:
+                if future.status == "error" and isinstance(future.exception(), KilledWorker):
+                    give_up_vanished(store, [unit])
                 queue.append(unit)
             elif receipt.outcome == "refused":
                 raise RunFailed(receipt.error)
@@ -184,7 +187,7 @@ def _receipt(future: Future[Receipt]) -> Receipt | None:
         assert isinstance(result, Receipt)
         return result
     error = future.exception() if future.status == "error" else None
-    if error is None or isinstance(error, SolverClosed):
+    if error is None or isinstance(error, SolverClosed | KilledWorker):
         return None
     raise RunFailed(f"a worker cannot run units ({type(error).__name__}: {error})") from error
 

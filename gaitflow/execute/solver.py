@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import secrets
 import select
 import subprocess
 import sys
@@ -20,6 +21,7 @@ from typing import IO
 from gaitflow.dataset.attempts import MAX_ATTEMPTS, failed_solutions
 from gaitflow.dataset.store import UnitStore
 from gaitflow.dataset.units import Unit
+from gaitflow.execute.journal import Journal
 from gaitflow.execute.reap import reap
 from gaitflow.execute.receipt import Receipt
 from gaitflow.execute.solver_process import SOLVE
@@ -47,6 +49,8 @@ class Solver:
     def __init__(self, solve: str = SOLVE) -> None:
         self._solve = solve
         self._process: subprocess.Popen[bytes] | None = None
+        self._name = ""  # of that process in the journal
+        self._in_work: tuple[Journal, str] | None = None
         self._errors: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115, lives as long as this object
         self._closed = False
         self._lock = threading.Lock()
@@ -68,10 +72,11 @@ class Solver:
                 lost.append(receipt.error)
                 store.attempts.record(unit, receipt.error, self._tail())
             attempts = store.attempts.of(unit)
-            kept = store.write(unit, failed_solutions(unit, attempts), {})
+            rows = failed_solutions(unit, attempts)
+            kept = store.write(unit, rows, {})
         except WriteError as error:
             return Receipt(unit.digest, "refused", str(error.args[-1]), tuple(lost))
-        return Receipt(unit.digest, "failed" if kept else "already", attempts[-1].reason, tuple(lost))
+        return Receipt(unit.digest, "failed" if kept else "already", rows[0].solver_status, tuple(lost))
 
     def close(self) -> None:
         """End the solver process; a unit in flight is given up and raises SolverClosed in the thread that runs it."""
@@ -83,30 +88,38 @@ class Solver:
                     self._process.wait(STORING_S)
                 self._process.kill()
                 self._process.wait()
+            self._note_end()
         self._starter.shutdown(wait=False)
 
     def _attempt(self, unit: Unit, store: UnitStore, limit: float) -> Receipt:
-        request = json.dumps({"unit": unit.as_data(), "store": str(store.folder.resolve())}) + "\n"
+        request = {"unit": unit.as_data(), "store": str(store.folder.resolve())}
         try:
-            process = self._started()
+            process = self._started(unit, store)
             self._errors.seek(0)
             self._errors.truncate()
-            return Receipt.from_line(_ask(process, request.encode(), limit))
+            line = json.dumps(request | {"solver": self._name}) + "\n"
+            receipt = Receipt.from_line(_ask(process, line.encode(), limit))
+            with self._lock:
+                self._note_end(stored=receipt.outcome in ("solved", "already"))
+            return receipt
         except _Lost as lost:
             with self._lock:
                 ending = self._end()
+                self._note_end()
                 if self._closed:
                     raise SolverClosed("the worker is closing") from None
             if ending == ASKED_TO_END and not str(lost):
                 raise SolverClosed("the solver was asked to end, as Slurm asks every process of a job") from None
             return Receipt(unit.digest, "raised", str(lost) or ending)
 
-    def _started(self) -> subprocess.Popen[bytes]:
+    def _started(self, unit: Unit, store: UnitStore) -> subprocess.Popen[bytes]:
         with self._lock:
             if self._closed:
                 raise SolverClosed("the worker is closing")
             if self._process is None or self._process.poll() is not None:
                 self._process = self._starter.submit(self._start).result()
+                self._name = f"{self._process.pid}-{secrets.token_hex(4)}"
+            self._in_work = Journal(store.folder / "journal", self._name), unit.digest
             return self._process
 
     def _start(self) -> subprocess.Popen[bytes]:
@@ -126,6 +139,14 @@ class Solver:
         if process is None:
             return "lost"
         return reap(process)
+
+    def _note_end(self, stored: bool = False) -> None:
+        """Write down, once, that the unit in work came to an end that we saw: its worker did not vanish."""
+        in_work, self._in_work = self._in_work, None
+        if in_work is not None and not stored:  # else the process itself has written so
+            journal, unit = in_work
+            with suppress(OSError):  # a full disk: the unit counts as vanished once, which decides nothing
+                journal.ended(unit)
 
     def _tail(self) -> str:
         self._errors.seek(0)

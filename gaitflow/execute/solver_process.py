@@ -1,8 +1,8 @@
 """The process that solves: `python -m gaitflow.execute.solver_process`, driven over its standard streams.
 
-In: a line of JSON {"unit": ..., "store": folder} a unit. Out: a receipt a line. It solves *and* stores, so that a
-part is durable before anyone hears of it. It is a process of its own because a MINLP solver may throw through C++,
-hang or die; it ends at the end of its input, and at once when its parent dies.
+In: a line of JSON {"unit": ..., "store": folder, "solver": its name in the journal} a unit. Out: a receipt a line. It
+solves *and* stores, so that a part is durable before anyone hears of it. It is a process of its own because a MINLP
+solver may throw through C++, hang or die; it ends at the end of its input, and at once when its parent dies.
 """
 
 from __future__ import annotations
@@ -53,11 +53,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the run's to handle, which then ends us
     solver_version()  # names the code as it is loaded now, not as it may be edited later
     receipts = _protect_stdout()
-    journals: dict[Path, Journal] = {}
     for line in sys.stdin:
         request = json.loads(line)
         store = UnitStore(Path(request["store"]))
-        journal = journals.setdefault(store.folder, Journal(store.folder / "journal"))
+        journal = Journal(store.folder / "journal", request["solver"])
         receipts.write(serve(Unit.from_data(request["unit"]), store, journal, options.solve).to_line())
         receipts.flush()
 

@@ -34,13 +34,23 @@ def test_a_damaged_record_still_counts(tmp_path: Path, units: tuple[Unit, ...]) 
     assert [attempt.reason for attempt in attempts.of(units[0])] == ["unreadable record"]
 
 
+def test_a_last_attempt_leaves_none_to_try(tmp_path: Path, units: tuple[Unit, ...]) -> None:
+    attempts = Attempts(tmp_path)
+    attempts.record(units[0], "crashed: SIGSEGV")
+    assert attempts.record(units[0], "its worker vanished", last=True) == MAX_ATTEMPTS
+    assert attempts.record(units[1], "its worker vanished", last=True) == MAX_ATTEMPTS
+    assert attempts.count(units[0]) == attempts.count(units[1]) == MAX_ATTEMPTS
+    assert attempts.given_up() == {units[0].digest, units[1].digest}
+    assert [attempt.reason for attempt in attempts.of(units[0])] == ["crashed: SIGSEGV", "its worker vanished"]
+
+
 def test_given_up_units_become_failed_rows_of_all_their_tasks(store: UnitStore, units: tuple[Unit, ...]) -> None:
     unit = units[0]
     for reason in ("crashed: SIGSEGV", "crashed: SIGSEGV", "hung"):
         store.attempts.record(unit, reason)
     rows = failed_solutions(unit, store.attempts.of(unit))
     assert [(row.speed, row.cycle_duration) for row in rows] == [(t.speed, t.cycle_duration) for t in unit.tasks]
-    assert {(row.status, row.solver_status) for row in rows} == {("failed", "crashed: SIGSEGV x2, hung x1")}
+    assert {(row.status, row.solver_status) for row in rows} == {("failed", "crashed: SIGSEGV x2, hung")}
     assert store.write(unit, rows, {}) and store.validate(unit) is None
 
 

@@ -19,7 +19,7 @@ def test_a_full_disk_under_a_solvers_chatter_does_not_lose_its_solution(
 ) -> None:
     """`steady` prints; standard error is a file on the node's scratch disk."""
     command = [sys.executable, "-m", "gaitflow.execute.solver_process", "--parent", str(os.getpid())]
-    request = json.dumps({"unit": units[0].as_data(), "store": str(store.folder)}) + "\n"
+    request = json.dumps({"unit": units[0].as_data(), "store": str(store.folder), "solver": "7-a"}) + "\n"
     with open("/dev/full", "wb") as full:
         done = subprocess.run(
             [*command, "--solve", "fakes:steady"], input=request.encode(), stdout=subprocess.PIPE, stderr=full

@@ -19,7 +19,7 @@ from gaitflow.dataset.provenance import read_record
 from gaitflow.dataset.schema import table_to_solutions
 from gaitflow.dataset.store import UnitStore
 from gaitflow.dataset.units import Unit, plan_units
-from gaitflow.execute.journal import read_journal
+from gaitflow.execute.journal import read_journal, unended
 from gaitflow.execute.receipt import Receipt
 from gaitflow.execute.solver import Solver, SolverClosed, longest_unit_s, time_limit
 from gaitflow.scenario import Scenario
@@ -70,6 +70,7 @@ def test_a_faulty_solver_is_given_up_after_three_attempts(
     assert receipt.outcome == "failed" and len(receipt.attempts) == 3
     assert all(attempt.startswith(reason) for attempt in receipt.attempts)
     assert all(detail in attempt.detail for attempt in store.attempts.of(units[0]))
+    assert [entry.event for entry in read_journal(store.folder / "journal")] == ["start", "ended"] * 3
     ((status, text),) = statuses(store, units[0])
     assert status == "failed" and text.startswith(reason) and text.endswith(" x3")
     assert worker.run(units[0], store).outcome == "already"
@@ -79,7 +80,7 @@ def test_a_hanging_solver_is_killed_and_given_up(store: UnitStore, units: tuple[
     for _ in range(2):
         store.attempts.record(units[0], "crashed: SIGSEGV")
     assert solver("hangs").run(units[0], store, limit_s=5.0).outcome == "failed"
-    assert statuses(store, units[0]) == {("failed", "crashed: SIGSEGV x2, hung: no answer in 5 s x1")}
+    assert statuses(store, units[0]) == {("failed", "crashed: SIGSEGV x2, hung: no answer in 5 s")}
     pids = [int(mark.name.split("-")[1]) for mark in fakes.glob("hangs-*")]
     assert len(pids) >= 1 and not any(alive(pid) for pid in pids)
 
@@ -95,7 +96,7 @@ def test_attempts_of_earlier_runs_count(store: UnitStore, units: tuple[Unit, ...
         store.attempts.record(units[0], "hung")
     receipt = solver("dies").run(units[0], store)
     assert receipt.outcome == "failed" and len(receipt.attempts) == 1
-    assert statuses(store, units[0]) == {("failed", "hung x2, crashed: SIGSEGV x1")}
+    assert statuses(store, units[0]) == {("failed", "hung x2, crashed: SIGSEGV")}
 
 
 def test_closing_interrupts_a_solve_without_blaming_the_unit(
@@ -106,6 +107,7 @@ def test_closing_interrupts_a_solve_without_blaming_the_unit(
     with pytest.raises(SolverClosed):
         worker.run(units[0], store)
     assert store.attempts.count(units[0]) == 0 and not store.has(units[0])
+    assert [entry.event for entry in read_journal(store.folder / "journal")] == ["start", "ended"]
     with pytest.raises(SolverClosed):
         worker.run(units[1], store)
 
@@ -127,6 +129,7 @@ def test_a_solver_ended_by_a_batch_system_does_not_blame_the_unit(
         worker.run(units[0], store)
     thread.join()
     assert store.attempts.count(units[0]) == 0 and not store.has(units[0])
+    assert [entry.event for entry in read_journal(store.folder / "journal")] == ["start", "ended"]
 
 
 def test_a_store_that_cannot_be_written_stops_the_run(store: UnitStore, units: tuple[Unit, ...]) -> None:
@@ -185,6 +188,7 @@ def test_the_solver_process_dies_with_a_killed_parent(
         time.sleep(0.02)
     assert not alive(child)
     assert not (tmp_path / "attempts").exists()
+    assert {unit: len(files) for unit, files in unended(tmp_path / "journal").items()} == {units[0].digest: 1}
 
 
 def test_time_limits_follow_the_work_and_are_bounded(scenario: Scenario) -> None:
@@ -241,7 +245,7 @@ def test_a_process_asked_to_end_finishes_the_part_it_writes(
         "UnitStore.write = lambda *a: (os.kill(os.getpid(), signal.SIGTERM), write(*a))[1];"
         "main(['--parent', str(os.getppid()), '--solve', 'fakes:steady'])"
     )
-    request = json.dumps({"unit": units[0].as_data(), "store": str(store.folder)}) + "\n"
+    request = json.dumps({"unit": units[0].as_data(), "store": str(store.folder), "solver": "7-a"}) + "\n"
     done = subprocess.run([sys.executable, "-c", code], input=request, text=True, cwd=checkout, timeout=60)
     assert done.returncode == -signal.SIGTERM
     assert store.validate(units[0]) is None and store.has(units[0])

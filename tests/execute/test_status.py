@@ -24,7 +24,7 @@ def test_before_during_and_after_a_run(store: UnitStore, scenario: Scenario, uni
     before = run_status(scenario, store)
     assert (before.units, before.left, before.cpu_hours_spent, before.cpu_hours_left) == (6, 6, 0.0, None)
     assert not store.folder.exists(), "asking writes nothing"
-    journal = Journal(store.folder / "journal")
+    journal = Journal(store.folder / "journal", "7-a")
     for unit in units[:2]:
         journal.started(unit.digest)
         journal.stored(unit.digest, cpu_s=1800.0, wall_s=2000.0, kept=True)
@@ -52,7 +52,7 @@ def test_parts_of_other_plans_do_not_count(store: UnitStore, scenario: Scenario,
 
 
 def test_a_line_cut_short_is_left_out(store: UnitStore, units: tuple[Unit, ...]) -> None:
-    journal = Journal(store.folder / "journal")
+    journal = Journal(store.folder / "journal", "7-a")
     journal.started(units[0].digest)
     journal.stored(units[0].digest, 1.0, 1.0, True)
     (file,) = (store.folder / "journal").iterdir()

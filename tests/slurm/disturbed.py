@@ -27,7 +27,7 @@ from gaitflow.dataset import load_solutions
 from gaitflow.dataset.collect import collect
 from gaitflow.dataset.store import UnitStore
 from gaitflow.dataset.units import plan_units
-from gaitflow.execute.journal import Entry, read_journal
+from gaitflow.execute.journal import Entry, read_journal, unended
 from gaitflow.execute.profile import load_profile
 from gaitflow.execute.scripts import driver_script
 from gaitflow.scenario import Scenario
@@ -180,6 +180,10 @@ class Run:
     def journal(self) -> list[Entry]:
         """The run's journal."""
         return read_journal(self.store.folder / "journal")
+
+    def vanished(self) -> int:
+        """Solves whose end nobody saw."""
+        return sum(map(len, unended(self.store.folder / "journal").values()))
 
     def row(self, fault: str, hit: Iterable[int], recovered_s: float | None) -> Row:
         """What the fault did that hit these solver processes."""

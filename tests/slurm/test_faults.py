@@ -114,6 +114,7 @@ def test_a_worker_is_cancelled(run: Run, judge: Callable[..., None], cluster: Cl
     assert len(hit) == 1
     cluster.call("scancel", job)
     judge(run, "scancel", hit, run.wait_for_pool(hit) - begin)
+    assert run.vanished() == 0, "a worker that was asked to end counts as one that vanished"
 
 
 def test_workers_are_preempted(run: Run, judge: Callable[..., None], cluster: Cluster) -> None:
@@ -121,6 +122,7 @@ def test_workers_are_preempted(run: Run, judge: Callable[..., None], cluster: Cl
     urgent = [urgent_job(cluster, node) for node in NODES]
     run.wait_until(lambda: set(urgent) <= set(running(cluster, "urgent")))
     judge(run, "preemption", hit, run.wait_for_pool(hit) - begin)
+    assert run.vanished() == 0, "a worker that was asked to end counts as one that vanished"
 
 
 def test_a_node_is_taken_down(run: Run, judge: Callable[..., None], cluster: Cluster) -> None:
@@ -135,6 +137,7 @@ def test_a_node_dies(run: Run, judge: Callable[..., None], cluster: Cluster) -> 
     hit, begin = run.solvers(), time.time()
     cluster.kill_node(node)
     judge(run, "node dead", hit, run.wait_for_pool(hit) - begin)
+    assert run.vanished() == len(hit)
 
 
 def test_the_controller_is_away_while_a_worker_dies(run: Run, judge: Callable[..., None], cluster: Cluster) -> None:
@@ -253,20 +256,29 @@ def test_a_walltime_ends(make_run: Callable[..., Run], judge: Callable[..., None
     assert starts == UNITS + 1, "a worker that ended at its lifetime lost the unit in work"
 
 
+@pytest.mark.parametrize(
+    ("solver", "reason"), [("dies_at_first", "crashed: SIGSEGV x3"), ("kills_its_worker", "its worker vanished")]
+)
 def test_a_poison_unit_is_given_up(
-    make_run: Callable[..., Run], reference: pd.DataFrame, record_row: Callable[[Row], None]
+    make_run: Callable[..., Run],
+    reference: pd.DataFrame,
+    record_row: Callable[[Row], None],
+    solver: str,
+    reason: str,
 ) -> None:
+    """One that kills the solver, and one that kills the worker, too."""
     run = make_run()
     run.pace(0.3)
-    run.start("fakes:dies_at_first")
+    run.start(f"fakes:{solver}")
     run.wait_until(run.store.attempts.given_up)
     assert run.finish() == 0, run.log[-3000:]
-    row = run.row("poison unit", (), None)
+    row = run.row("poison unit" if solver == "dies_at_first" else "poison, kills worker", (), None)
     record_row(row)
     assert row.ended and row.repeated == 0, row
     frame = run.dataset()
     poison = frame["speed"] == 0.1
-    assert frame[poison]["solver_status"].tolist() == ["crashed: SIGSEGV x3"]
+    (said,) = frame[poison]["solver_status"]
+    assert said.startswith(reason)
     pd.testing.assert_frame_equal(frame[~poison], reference[reference["speed"] != 0.1])
 
 
