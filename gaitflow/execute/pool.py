@@ -2,7 +2,7 @@
 
 dask-jobqueue submits a job a worker. What it leaves out is here: a job that was lost before its worker came up, a job
 that sbatch refused, and jobs that nobody knows are all found by comparing the workers that the scheduler sees, and
-every 30 s the jobs that squeue lists, with what is wanted.
+every 30 s the jobs that squeue lists, with what is wanted. When sbatch refuses all of them for long, it says so.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ LOOK_S = 1.0
 STEP = 16  # jobs that are submitted before looking again
 AT_ONCE = 4  # sbatch commands side by side
 FIRST_WAIT_S, LONGEST_WAIT_S = 5.0, 300.0  # between tries when sbatch fails or workers do not come up
+GIVE_UP_S = 1800.0  # of refusals, some ten tries, while no job waits or runs: a full queue may pass by then
 
 OnNote = Callable[[str], None]
 
@@ -67,7 +68,10 @@ class WorkerJob(SLURMJob):
 
 
 class WorkerPool(SLURMCluster):
-    """A Dask cluster whose scheduler is here and whose `profile.jobs` workers are jobs."""
+    """A Dask cluster whose scheduler is here and whose `profile.jobs` workers are jobs.
+
+    `hopeless` says why no worker is to be expected any more; it is "" while one is.
+    """
 
     job_cls: type[SLURMJob] = WorkerJob
 
@@ -84,6 +88,8 @@ class WorkerPool(SLURMCluster):
         self._numbers = itertools.count()
         self._listing = Queue(run_folder)
         self._wait_s, self._not_before = 0.0, 0.0
+        self._refused_since: float | None = None  # time.monotonic() [s]
+        self.hopeless = ""
         self._keeper: asyncio.Task[None] | None = None
 
         def write_script(worker: str, scheduler: str) -> str:
@@ -143,6 +149,7 @@ class WorkerPool(SLURMCluster):
             self._tell(gone)
             await self._cancel([str(job.job_id) for job in gone.values() if job.job_id])
             await self.scale_down(list(gone))
+        self._judge([job.error for job in gone.values() if not job.job_id])
         if listed is not None:
             await self._cancel(self._strangers(listed[0]))
         missing = self._wanted - len(self.worker_spec)
@@ -155,6 +162,7 @@ class WorkerPool(SLURMCluster):
             news = await asyncio.to_thread(self._listing.news)
         except SlurmError as error:
             self._on_note(f"the queue cannot be read, workers go on: {error}")
+            self._refused_since = None  # a controller that is away refuses nothing
             return None
         return None if news is None else ({job.id: job for job in news[0] if job.alive}, news[1])
 
@@ -184,6 +192,15 @@ class WorkerPool(SLURMCluster):
         lost = len(gone) - len(refused) - len(stillborn)
         if lost:
             self._on_note(f"{lost} workers ended, replaced by new jobs")
+
+    def _judge(self, refusals: list[str]) -> None:
+        """Give up hope when sbatch has refused everything for long and no job is left. `refusals`: new reasons."""
+        if any(job.job_id for job in self.workers.values()):
+            self._refused_since = None
+        elif refusals and self._refused_since is None:
+            self._refused_since = time.monotonic()
+        elif refusals and self._refused_since is not None and time.monotonic() - self._refused_since > GIVE_UP_S:
+            self.hopeless = f"sbatch has refused every worker for {GIVE_UP_S / 60:.0f} minutes ({refusals[-1]})"
 
     async def _cancel(self, ids: list[str]) -> None:
         if ids:

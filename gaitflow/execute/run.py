@@ -74,7 +74,8 @@ def run_units(
     Parts that an earlier run found sound, in files that did not change since, are not read again; `collect` reads all.
     `open_client` makes a cluster and a client for the length of a block, such as `local_client`; it is not called
     when nothing is missing. `window` bounds the units submitted at a time (default: 3 a worker). `on_event` hears of
-    every change. Ctrl-C and SIGTERM end the run cleanly with RunStopped. Raises RunFailed when no unit can be stored.
+    every change. Ctrl-C and SIGTERM end the run cleanly with RunStopped. Raises RunFailed when no unit can be stored,
+    or when no worker will come any more.
     """
     store.remove_leftovers()
     notes = [f"damaged pack, its units will be solved again: {reason}" for reason in store.set_aside_damaged_packs()]
@@ -92,15 +93,17 @@ def run_units(
             with _stop_request() as stop, open_client() as client:
                 _drain(missing, store, client, count, stop, window, solve)
             if stop.is_set() and count.state.left:
-                raise RunStopped(
-                    f"stopped: {count.state.total - count.state.left} of {count.state.total} units are stored in "
-                    f"{store.folder}; run the same command again to go on"
-                )
+                raise RunStopped(f"stopped: {_how_far(count.state, store)}")
         damaged = validate_changed(store, units)
         if not damaged:
             return count.state
         notes = [f"damaged part, will be solved again: {reason}" for reason in damaged.values()]
     raise RunFailed(f"{store.folder}: parts were damaged {MAX_ROUNDS} times in a row; check that disk")
+
+
+def _how_far(state: RunState, store: UnitStore) -> str:
+    stored = f"{state.total - state.left} of {state.total} units are stored in {store.folder}"
+    return f"{stored}; run the same command again to go on"
 
 
 class _Count:
@@ -140,6 +143,8 @@ def _drain(
     queue = missing[::-1]
     flying: dict[Future[Receipt], Unit] = {}
     while (queue or flying) and not stop.is_set():
+        if hopeless := getattr(client.cluster, "hopeless", ""):  # of a pool of jobs, see `pool`
+            raise RunFailed(f"{hopeless}: {_how_far(count.state, store)}")
         room = window or UNITS_PER_WORKER * max(1, len(client.nthreads()))
         while queue and len(flying) < room:
             unit = queue.pop()

@@ -2,8 +2,8 @@
 
 Slurm does so to a job that used more than its memory, and a machine that runs out of it may. The journal knows these
 solves: they were begun, and nothing was heard of the solver since. A worker that is asked to end, by preemption or
-scancel, writes down the end of its solve, as it does for a solver that died. So the limit is far from what failing nodes
-do to one unit, and from the few other runs on the same store that may be solving it just now.
+scancel, writes down the end of its solve, as it does for a solver that died. So the limit is far from what nodes that
+fail do to one unit, and from the few other runs on the same store that may be solving it just now.
 """
 
 from __future__ import annotations
