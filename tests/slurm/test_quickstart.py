@@ -48,6 +48,8 @@ def test_submitted_once_it_gives_the_same_labels_as_locally(cluster: Cluster, ch
         time.sleep(0.5)
     log = (run / "logs" / f"driver-{job}.log").read_text()
     assert "JobState=COMPLETED" in cluster.completed().partition(f"JobId={job} ")[2].splitlines()[0], log
+    state = json.loads(gaitflow(there, "status", "quickstart", "--json"))
+    assert (state["left"], state["failed"], state["solved"]) == (0, 0, state["units"])
     gaitflow(here, "solve", "quickstart", "--workers", "2")
     gaitflow(here, "label", "quickstart")
     ours, theirs = (pd.read_parquet(root / "runs" / "quickstart" / "labels.parquet") for root in (there, here))
