@@ -138,7 +138,7 @@ def status(workspace: Workspace, scenario: str, as_json: bool) -> None:
     click.echo(
         f"{state.scenario}: {state.units} units: {state.solved} solved, {state.failed} failed, {state.left} left"
     )
-    click.echo(f"CPU hours: {state.cpu_hours_spent:.3f} spent, {left} left; {state.quarantined} parts in quarantine")
+    click.echo(f"CPU hours: {state.cpu_hours_spent:.3f} spent, {left} left; {state.quarantined} files in quarantine")
     if state.jobs is not None:
         click.echo(f"jobs: {state.jobs}")
     if state.logs is not None:

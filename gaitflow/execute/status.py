@@ -36,7 +36,7 @@ class JobCounts:
 class RunStatus:
     """Counts of units (`units` = `solved` + `failed` + `left`), CPU hours spent and, from them, still to spend.
 
-    `cpu_hours_left` is None while nothing is solved. `quarantined` parts were damaged. `errors` are the latest
+    `cpu_hours_left` is None while nothing is solved. `quarantined` files, parts or packs, were damaged. `errors` are the latest
     attempts that the solver did not survive, newest first. `jobs` is None for a run that never was on a cluster, and
     where Slurm cannot be asked. `logs` is the folder of the jobs' output, None without one.
     """
@@ -73,7 +73,7 @@ def run_status(scenario: Scenario, store: UnitStore) -> RunStatus:
         solved=len(stored) - len(failed),
         failed=len(failed),
         left=left,
-        quarantined=len(list((store.folder / "quarantine").glob("*.parquet"))),
+        quarantined=sum(file.suffix in (".parquet", ".pack") for file in (store.folder / "quarantine").glob("*")),
         cpu_hours_spent=hours,
         cpu_hours_left=hours / known * left if known else (0.0 if not left else None),
         errors=tuple(store.attempts.latest(LATEST_ERRORS)),

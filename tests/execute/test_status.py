@@ -51,6 +51,16 @@ def test_parts_of_other_plans_do_not_count(store: UnitStore, scenario: Scenario,
     assert run_status(scenario, store).left == 6
 
 
+def test_a_damaged_pack_in_quarantine_counts(store: UnitStore, scenario: Scenario) -> None:
+    store.quarantine("0" * 64, "there is no such part, so nothing is moved")
+    assert run_status(scenario, store).quarantined == 0
+    pack = store.folder / "packs" / f"{'1' * 64}.pack"
+    pack.parent.mkdir(parents=True)
+    pack.write_bytes(b"damaged")
+    assert len(store.set_aside_damaged_packs()) == 1
+    assert run_status(scenario, store).quarantined == 1
+
+
 def test_a_line_cut_short_is_left_out(store: UnitStore, units: tuple[Unit, ...]) -> None:
     journal = Journal(store.folder / "journal", "7-a")
     journal.started(units[0].digest)
