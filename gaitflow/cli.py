@@ -17,12 +17,20 @@ try:
     from gaitflow.cli_robot import robot
     from gaitflow.cli_show import show
     from gaitflow.config import ConfigError
+    from gaitflow.workflow import PROFILE, run_workflow
     from gaitflow.workspace import Workspace
 except ImportError as error:
     sys.exit(f'gaitflow: the command line needs more than the runtime ({error}): pip install "gaitflow[all]"')
 
 scenario_argument = click.argument("scenario")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
+profile_option = click.option(
+    "--profile",
+    "profile_file",
+    envvar=PROFILE,
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Solve on the jobs of a Slurm cluster instead, such as slurm/profiles/centre-48h.yaml.",
+)
 workers_option = click.option("--workers", default=2, show_default=True, type=click.IntRange(1, 1024))
 
 
@@ -48,19 +56,24 @@ def main(context: click.Context, root: Path) -> None:
 @main.command()
 @scenario_argument
 @workers_option
+@profile_option
 @click.option("--dry-run", is_flag=True, help="Say which stages would run, and run none.")
 @click.pass_obj
-def run(workspace: Workspace, scenario: str, workers: int, dry_run: bool) -> None:
+def run(workspace: Workspace, scenario: str, workers: int, profile_file: Path | None, dry_run: bool) -> None:
     """Do all stages of SCENARIO that are not up to date: solve, label, train, publish, report.
+
+    With --profile the workers that solve are Slurm jobs; the other stages run here.
 
     \b
     Example: gaitflow run quickstart
     """
-    from gaitflow.workflow import run_workflow
+    from gaitflow.execute.profile import load_profile
 
     with bad_input():
         resolved = workspace.scenario(scenario)
-        if not run_workflow(workspace, resolved.name, workers, dry_run):
+        if profile_file is not None:
+            load_profile(profile_file)
+        if not run_workflow(workspace, resolved.name, workers, dry_run, profile_file):
             fail(f"the workflow of {resolved.name} did not finish; what is done is kept, the same command goes on")
     if dry_run:
         return
@@ -84,12 +97,7 @@ def run(workspace: Workspace, scenario: str, workers: int, dry_run: bool) -> Non
 @main.command()
 @scenario_argument
 @workers_option
-@click.option(
-    "--profile",
-    "profile_file",
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="Solve on the jobs of a Slurm cluster instead, such as slurm/profiles/centre-48h.yaml.",
-)
+@profile_option
 @click.pass_obj
 def solve(workspace: Workspace, scenario: str, workers: int, profile_file: Path | None) -> None:
     """Solve every task of SCENARIO that is not stored yet, on WORKERS processes of this machine.

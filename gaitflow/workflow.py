@@ -10,9 +10,16 @@ from pathlib import Path
 from gaitflow.config import ConfigError
 from gaitflow.workspace import Workspace
 
+PROFILE = "GAITFLOW_PROFILE"  # tells `gaitflow solve`: as an argument of its rule it would make a finished solve rerun
 
-def run_workflow(workspace: Workspace, scenario: str, workers: int, dry_run: bool) -> bool:
-    """Run what is out of date; True when everything asked for is done. Raises ConfigError without a workflow folder."""
+
+def run_workflow(
+    workspace: Workspace, scenario: str, workers: int, dry_run: bool, profile_file: Path | None = None
+) -> bool:
+    """Run what is out of date; True when everything asked for is done. Raises ConfigError without a workflow folder.
+
+    With a profile the workers of the solve stage are jobs of a Slurm cluster.
+    """
     snakefile = Path("workflow", "Snakefile")
     if not (workspace.root / snakefile).is_file():
         raise ConfigError(f"{workspace.root / snakefile}: no such file; `gaitflow run` belongs into a checkout, "
@@ -22,4 +29,7 @@ def run_workflow(workspace: Workspace, scenario: str, workers: int, dry_run: boo
     command.append("--dry-run" if dry_run else "rules")  # the stages speak for themselves
     # A stopped run leaves a lock behind; the store has its own rules for two writers, so it may be lifted.
     command.append("--nolock")
-    return subprocess.run(command, cwd=workspace.root, env=os.environ | {"OMP_NUM_THREADS": "1"}).returncode == 0
+    environment = os.environ | {"OMP_NUM_THREADS": "1"}
+    if profile_file is not None:
+        environment[PROFILE] = str(profile_file.resolve())
+    return subprocess.run(command, cwd=workspace.root, env=environment).returncode == 0

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from pathlib import Path
 
@@ -93,7 +94,22 @@ def test_solve_from_here_is_refused_while_a_driver_job_lives(project: Path) -> N
     assert done.exit_code == 1 and "driver job 42 is running" in done.output
 
 
-@pytest.mark.parametrize("command", [["submit", "quickstart"], ["doctor"], ["solve", "quickstart"]])
+def test_run_solves_with_the_profile_and_does_the_rest_here(
+    project: Path, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Only the solve stage hears of the profile, through Snakemake; that it would be refused shows that it does."""
+    queue_of(project)
+    assert gaitflow("run", "quickstart", "--profile", PROFILE, "--dry-run").exit_code == 0
+    monkeypatch.chdir(project.parent)
+    profile = str((project / PROFILE).relative_to(project.parent))
+    assert gaitflow("--root", project.name, "run", "quickstart", "--profile", profile).exit_code == 1
+    assert "driver job 42 is running" in "".join(capfd.readouterr())
+    assert "GAITFLOW_PROFILE" not in os.environ
+
+
+@pytest.mark.parametrize(
+    "command", [["submit", "quickstart"], ["doctor"], ["solve", "quickstart"], ["run", "quickstart"]]
+)
 def test_a_faulty_profile_is_bad_input(project: Path, command: list[str]) -> None:
     (project / "bad.yaml").write_text("name: bad\njobs: 0\nwalltime: soon\n")
     done = gaitflow(*command, "--profile", "bad.yaml")

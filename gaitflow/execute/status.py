@@ -36,9 +36,9 @@ class JobCounts:
 class RunStatus:
     """Counts of units (`units` = `solved` + `failed` + `left`), CPU hours spent and, from them, still to spend.
 
-    `cpu_hours_left` is None while nothing is solved. `quarantined` files, parts or packs, were damaged. `errors` are the latest
-    attempts that the solver did not survive, newest first. `jobs` is None for a run that never was on a cluster, and
-    where Slurm cannot be asked. `logs` is the folder of the jobs' output, None without one.
+    `cpu_hours_left` is None while nothing is solved. `quarantined` parts and packs were damaged. `errors` are the
+    latest attempts that the solver did not survive, newest first. `jobs` is None for a run that never was on a cluster,
+    and where Slurm cannot be asked. `logs` is the folder of the jobs' output, None without one.
     """
 
     scenario: str
