@@ -37,6 +37,16 @@ def test_a_robot_is_written_where_scenarios_find_it(tmp_path: Path, anymal: str)
     assert again.exit_code == 2 and f"is there already; to write over it give --output {path}" in again.stderr
 
 
+def test_a_urdf_of_any_name(tmp_path: Path, anymal: str) -> None:
+    path = tmp_path / "two\nlines.urdf"
+    path.write_bytes(Path(anymal).read_bytes())
+    pose = ",".join(f"{leg}_HAA=0,{leg}_HFE=0.4,{leg}_KFE=-0.8" for leg in ("LF", "RF"))
+    pose += "," + ",".join(f"{leg}_HAA=0,{leg}_HFE=-0.4,{leg}_KFE=0.8" for leg in ("LH", "RH"))
+    done = call(tmp_path, str(path), "--name", "mine", "--feet", FEET, "--pose", pose)
+    assert done.exit_code == 0, done.stderr
+    assert load_robot(tmp_path / "configs" / "robots" / "mine.yaml").name == "mine"
+
+
 def test_json_is_one_document(tmp_path: Path, anymal: str) -> None:
     path = tmp_path / "any.yaml"
     path.write_text("old")

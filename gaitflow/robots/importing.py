@@ -13,10 +13,10 @@ from gaitflow.config import ConfigError
 from gaitflow.gait_names import leg_place
 from gaitflow.robots.chain import LegChain
 from gaitflow.robots.description import read_description
-from gaitflow.robots.limits import max_foot_speed, max_vertical_force
+from gaitflow.robots.limits import GRAVITY, max_foot_speed, max_vertical_force
 from gaitflow.robots.mechanism import Array, load_mechanism
-from gaitflow.robots.pose import find_srdf, pose_of
-from gaitflow.robots.reach import check_box, default_box, longest_reach
+from gaitflow.robots.pose import find_srdf, is_written, pose_of
+from gaitflow.robots.reach import check_box, check_reach, default_box, longest_reach
 from gaitflow.robots.robot import Robot
 from gaitflow.robots.symmetry import symmetrised
 
@@ -58,12 +58,15 @@ def import_robot(request: Request) -> Imported:
     urdf = read_description(request.urdf)
     mechanism = load_mechanism(urdf)
     own_joints = mechanism.joints_of(request.feet)
-    srdf = find_srdf(urdf) if request.srdf is None else read_description(request.srdf)
+    srdf = None if request.srdf is None else read_description(request.srdf)
+    if srdf is None and not is_written(request.pose):
+        srdf = find_srdf(urdf)
     pose = pose_of(request.pose, mechanism, [joint for own in own_joints for joint in own], srdf)
     legs = [
         LegChain(mechanism, name, mechanism.link(foot), own, pose.angles)
         for name, foot, own in zip(names, request.feet, own_joints, strict=True)
     ]
+    check_reach(legs)
     centre, composite = mechanism.composite(pose.angles)
     feet = np.array([leg.foot_at(leg.stance)[0] - centre for leg in legs])
     _check_sides(names, request.feet, feet)
@@ -81,6 +84,12 @@ def import_robot(request: Request) -> Imported:
     found.append(said)
     force, said = _limit(request.max_force, "N from effort limits", lambda: max_vertical_force(legs))
     found.append(f"max_force {said}")
+    held, weight = force * len(legs), mechanism.mass * GRAVITY
+    if held < weight:
+        found.append(
+            f"it cannot stand: {len(legs)} feet hold {held:.0f} N together, less than its weight of {weight:.0f} N; "
+            "is the unit of the effort limits N m, and is --max-force for one foot?"
+        )
     speed, said = _limit(request.max_foot_speed, "m/s from velocity limits", lambda: max_foot_speed(legs))
     found.append(f"max_foot_speed {said}")
     robot = {

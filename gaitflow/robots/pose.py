@@ -25,6 +25,11 @@ class Pose:
     label: str
 
 
+def is_written(asked: str | None) -> bool:
+    """Whether a pose that is asked for gives the joints' values itself, so that no SRDF is needed."""
+    return asked is not None and "=" in asked
+
+
 def find_srdf(urdf: Description) -> Description | None:
     """The SRDF of the same robot beside a URDF or in `../srdf`; of several, the one whose file has the URDF's name.
 
@@ -46,7 +51,7 @@ def pose_of(asked: str | None, mechanism: Mechanism, leg_joints: Sequence[int], 
     Joints of the legs must have a value; the others stay at zero, or at the limit next to it.
     Raises ConfigError: no such pose, unknown joints, legs without values, values beyond the joint's limits.
     """
-    if asked is not None and "=" in asked:
+    if asked is not None and is_written(asked):
         values, label = _written(asked), f"pose {asked}"
     else:
         states = {} if srdf is None else _group_states(srdf)

@@ -20,6 +20,7 @@ from gaitflow.robots.chain import LegChain
 from gaitflow.robots.mechanism import Array
 
 REACHED = 1e-3  # m: a foot this close to a point is there
+REACHES = (0.05, 3.0)  # m: legs of palm-sized to truck-sized robots
 STARTS = 16  # of a search for joint angles; a leg of three joints has at most four solutions
 ANYMAL_BOX = np.array([0.16, 0.1, 0.04])  # m, half lengths that full-body planners could follow on ANYmal B,
 ANYMAL_REACH = 0.593  # m, whose feet come this far from their hip flexion joints
@@ -57,6 +58,17 @@ def longest_reach(leg: LegChain) -> float:
     bounds = list(zip(*leg.bounds, strict=True))
     least = min(minimize(folded, start, jac=True, bounds=bounds, method="L-BFGS-B").fun for start in _starts(leg))
     return float(np.sqrt(-least))
+
+
+def check_reach(legs: Sequence[LegChain]) -> None:
+    """Raises ConfigError when a leg is as long as no robot's, such as that of a URDF in millimetres."""
+    for leg in legs:
+        reach = longest_reach(leg)
+        if not REACHES[0] <= reach <= REACHES[1]:
+            raise ConfigError(
+                f"leg {leg.name} reaches {reach:.3g} m from {leg.joint_names[leg.hip]}; {REACHES[0]:g} to "
+                f"{REACHES[1]:g} m are a robot's: a URDF is in metres, scale this one's lengths to them"
+            )
 
 
 def check_box(legs: Sequence[LegChain], centres: Array, box: Array) -> None:

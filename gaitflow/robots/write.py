@@ -14,8 +14,11 @@ from gaitflow.robots.robot import Robot
 
 
 def robot_text(robot: Robot, comments: Iterable[str]) -> str:
-    """The YAML text of a robot; `load_robot` reads exactly this robot back. `comments` are its first lines."""
-    lines = [f"# {line}" for line in comments]
+    """The YAML text of a robot; `load_robot` reads exactly this robot back. `comments` are its first lines.
+
+    What cannot be printed, such as a line break in a file's name, is escaped in them.
+    """
+    lines = [f"# {_printable(line)}" for line in comments]
     lines += [
         f"name: {_word(robot.name)}",
         f"dimension: {robot.dimension}",
@@ -47,6 +50,10 @@ def _number(value: float) -> str:
 
 def _vector(values: Iterable[float]) -> str:
     return f"[{', '.join(map(_number, values))}]"
+
+
+def _printable(text: str) -> str:
+    return "".join(char if char.isprintable() else char.encode("unicode_escape").decode() for char in text)
 
 
 def _word(name: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from collections.abc import Callable
 from dataclasses import replace
@@ -135,3 +136,37 @@ def test_a_robot_on_its_back(request_: Request, by_hand: Any) -> None:
     turned = by_hand.standing.replace("HAA=0", "HAA=3.14159")
     with pytest.raises(ConfigError, match="not below it: the base link's z must point up"):
         import_robot(replace(request_, pose=turned))
+
+
+@pytest.mark.parametrize("text", ['<robot name="stranger"/>', "<robot", '<robot name="walker"><group_state/></robot>'])
+def test_a_pose_written_out_needs_no_srdf(request_: Request, text: str) -> None:
+    """So one that lies beside the URDF, broken or another robot's, cannot stop the import."""
+    before = import_robot(request_)
+    for name in ("a.srdf", "b.srdf"):
+        request_.urdf.with_name(name).write_text(text)
+    assert import_robot(request_) == before
+
+
+def scaled(urdf: str, factor: float) -> str:
+    def times(match: re.Match[str]) -> str:
+        return 'xyz="' + " ".join(str(float(value) * factor) for value in match[1].split()) + '"'
+
+    return re.sub(r'(?<=<origin )xyz="([^"]*)"', times, urdf)
+
+
+@pytest.mark.parametrize(("factor", "said"), [(1000, "500 m"), (0.05, "0.025 m")])
+def test_a_urdf_in_other_units_than_metres_is_refused(
+    write: Write, by_hand: Any, request_: Request, factor: float, said: str
+) -> None:
+    import_robot(replace(request_, urdf=write(scaled(by_hand.text(), 1.0), "same.urdf")))
+    with pytest.raises(ConfigError, match=rf"leg LF reaches {said} from .*_HFE.*: a URDF is in metres"):
+        import_robot(replace(request_, urdf=write(scaled(by_hand.text(), factor), "scaled.urdf"), box=None))
+
+
+def test_feet_that_cannot_hold_the_weight_are_told(request_: Request) -> None:
+    weight = 22.0 * 9.81
+    enough, less = (replace(request_, max_force=part * weight / 4) for part in (1.01, 0.99))
+    assert not any("cannot stand" in said for said in import_robot(enough).found)
+    (said,) = (said for said in import_robot(less).found if "cannot stand" in said)
+    assert "4 feet hold 214 N together, less than its weight of 216 N" in said
+    assert said in import_robot(less).robot.source

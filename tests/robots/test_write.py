@@ -42,6 +42,16 @@ def test_names_and_numbers_that_yaml_would_misread(tmp_path: Path) -> None:
     assert load_robot(tmp_path / "robot.yaml") == robot
 
 
+@pytest.mark.parametrize("end", ["\n", "\r", "\x85", "\u2028", "\udcff", "\x00"])
+def test_a_comment_stays_one_line(tmp_path: Path, end: str) -> None:
+    """A file's name, which it may hold, may have any character."""
+    robot = load_robot(CONFIGS / "half_cheetah.yaml")
+    write_robot(tmp_path / "a.yaml", robot, [f"import my{end}mass: 1.0"], replace=False)
+    assert load_robot(tmp_path / "a.yaml") == robot
+    first = (tmp_path / "a.yaml").read_text().split("\n")[0]
+    assert first.startswith("# import my\\") and first.endswith("mass: 1.0") and first.isprintable()
+
+
 def test_a_file_that_is_there_stays(tmp_path: Path) -> None:
     robot = load_robot(CONFIGS / "half_cheetah.yaml")
     write_robot(tmp_path / "a.yaml", robot, [], replace=False)
