@@ -150,17 +150,20 @@ def _drain(
             unit = queue.pop()
             # Not pure: a unit that is submitted again must not be answered by what Dask remembers of it.
             flying[client.submit(solve_unit, json.dumps(unit.as_data()), folder, pure=False)] = unit
+        killed = []
         for future in _finished(list(flying)):
             unit = flying.pop(future)
             receipt = _receipt(future)
             if receipt is None:
-                if future.status == "error" and isinstance(future.exception(), KilledWorker):
-                    give_up_vanished(store, [unit])
                 queue.append(unit)
+                if future.status == "error" and isinstance(future.exception(), KilledWorker):
+                    killed.append(unit)
             elif receipt.outcome == "refused":
                 raise RunFailed(receipt.error)
             else:
                 count.add(receipt)
+        if killed:
+            give_up_vanished(store, killed)
 
 
 def _give_solvers(client: Client, solve: str) -> None:
