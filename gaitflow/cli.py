@@ -194,6 +194,30 @@ def labels(dataset: Path, as_json: bool) -> None:
 
 @main.command()
 @scenario_argument
+@json_option
+@click.pass_obj
+def atlas(workspace: Workspace, scenario: str, as_json: bool) -> None:
+    """Solve SCENARIO's gaits at many tasks between those of its grid, so that plans start from a prediction.
+
+    \b
+    Example: gaitflow atlas quickstart
+    """
+    with bad_input():
+        data = stages.atlas(workspace, workspace.scenario(scenario))
+    if as_json:
+        return print_json(data)
+    for pattern, nodes in data["nodes"].items():
+        click.echo(f"{nodes:6d} nodes  {pattern}")
+    for row in data["predictors"]:
+        click.echo(
+            f"{row['iterations_mean']:6.2f} iterations from {row['predictor']} with {row['modes']} modes, "
+            f"{row['converged']} of {row['tasks']} converged"
+        )
+    click.echo(f"{data['solves']} solves, {data['modes']} modes published")
+
+
+@main.command()
+@scenario_argument
 @click.option("--constant", is_flag=True, help="Where all tasks have one gait, make the constant map of it.")
 @json_option
 @click.pass_obj

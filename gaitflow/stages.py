@@ -1,4 +1,4 @@
-"""The stages of a map, each from files to files: solve -> label -> train -> publish -> report.
+"""The stages of a map, each from files to files: solve -> label -> train, atlas -> publish -> report.
 
 Pure functions of the packages below do the work; here they get their files, and only here.
 """
@@ -31,8 +31,8 @@ GUIDED_REMARK = (
 KEPT_GAITS = 3  # cheapest gaits of a task that keep their trajectory in a published dataset
 
 PLAN_KEYS = (
-    "gait", "pattern", "probability", "in_domain", "durations", "cost", "feasible", "violation", "path", "iterations",
-    "time_ms",
+    "gait", "pattern", "probability", "in_domain", "distance", "durations", "cost", "feasible", "violation", "path",
+    "iterations", "select_ms", "predict_ms", "refine_ms", "time_ms",
 )  # fmt: skip
 
 
@@ -123,38 +123,78 @@ def train(workspace: Workspace, scenario: Scenario, constant: bool) -> dict[str,
     return data
 
 
+def atlas(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
+    """Grow the solved tasks of every labelled gait into an atlas; writes it and how its predictors did."""
+    import pandas as pd
+
+    from gaitflow.dataset import load_solutions
+    from gaitflow.gaits import Pattern
+    from gaitflow.learn.atlas import grow
+    from gaitflow.learn.predictors import build_atlas, table
+    from gaitflow.learn.warmstarts import region_means, winning_patterns
+    from gaitflow.problem import transcribe
+    from gaitflow.runtime.atlas import atlas_bytes
+    from gaitflow.runtime.domain import Domain
+
+    run = workspace.run(scenario)
+    _need(run.labels, f"gaitflow label {scenario.name}")
+    labels, problem, solutions = pd.read_parquet(run.labels), transcribe(scenario), load_solutions(run.solutions)
+    starts = region_means(labels, solutions, problem.layout.pack)
+    gaits = [start.gait for start in starts]
+    patterns = winning_patterns(labels, starts)
+    tasks = scenario.tasks
+    feasible = tuple(map(tuple, _feasible(labels).to_numpy(dtype=bool).tolist()))
+    domain = Domain(tasks.speed.values, tasks.cycle_duration.values, feasible)
+    grown = grow(problem, [Pattern.from_text(pattern) for pattern in patterns], solutions, domain.contains)
+    built, rows = build_atlas(grown, [gaits.index(gait) for gait in patterns.values()])
+    data = {
+        "gaits": gaits,
+        "nodes": {f"{gaits[sheet.gait]} {sheet.pattern}": len(sheet.places) for sheet in built.sheets},
+        "solves": grown.solves,
+        "modes": max((len(sheet.modes) for sheet in built.sheets), default=0),
+        "predictors": table(rows),
+    }
+    atomic_write(run.atlas, atlas_bytes(built))
+    write_json(run.predictors, data)
+    return data
+
+
 def publish(workspace: Workspace, scenario: Scenario, version: str | None) -> PublishedRun:
     """Publish the dataset and the map under one version; the same content is not published twice."""
     import pandas as pd
 
-    from gaitflow.artifact import Parts
+    from gaitflow.artifact import Parts, runtime_layout
     from gaitflow.artifact import publish as publish_map
     from gaitflow.dataset import load_solutions
     from gaitflow.dataset.provenance import made_by
     from gaitflow.dataset.publish import publish_dataset
     from gaitflow.learn.warmstarts import region_means
     from gaitflow.problem import transcribe
+    from gaitflow.runtime.atlas import parse_atlas
     from gaitflow.solve.nlp import IPOPT_WARM
 
     run = workspace.run(scenario)
     _need(run.learning, f"gaitflow train {scenario.name}")
+    _need(run.predictors, f"gaitflow atlas {scenario.name}")
     learning = read_json(run.learning)
     labels = pd.read_parquet(run.labels)
     problem = transcribe(scenario)
     solutions = load_solutions(run.solutions)
     starts = region_means(labels, solutions, problem.layout.pack)
-    grid = labels[labels["split"] == "grid"]
-    feasible = grid.assign(ok=grid["status"] == "solved").pivot(index="speed", columns="cycle_duration", values="ok")
+    predictors = read_json(run.predictors)
+    content, gaits = run.atlas.read_bytes(), predictors["gaits"]
+    known = parse_atlas(content, len(gaits), runtime_layout(problem), str(run.atlas))
     parts = Parts(
         problem=problem,
-        feasible=feasible.to_numpy(dtype=bool),
+        feasible=_feasible(labels).to_numpy(dtype=bool),
         classifier=run.classifier.read_bytes(),
         classifier_kind=learning["method"],
         classes=learning["classes"],
         starts=[start for start in starts if start.gait in learning["classes"]],
+        atlas=known.of([gaits.index(gait) for gait in learning["classes"]]),
         dataset={"digest": solutions.record["units_digest"], "version": "units"},
         code=made_by(),
-        metrics=learning,
+        metrics=learning | {"atlas": predictors},
         solver_options=IPOPT_WARM,
     )
     model = publish_map(workspace.models, parts, version)
@@ -298,6 +338,12 @@ def write_json(path: Path, data: Any) -> None:
 def read_json(path: Path) -> Any:
     """Read a JSON file of ours."""
     return json.loads(path.read_bytes())
+
+
+def _feasible(labels: pd.DataFrame) -> pd.DataFrame:
+    """Which tasks of the grid, speeds by cycle durations, have a feasible gait."""
+    grid = labels[labels["split"] == "grid"]
+    return grid.assign(ok=grid["status"] == "solved").pivot(index="speed", columns="cycle_duration", values="ok")
 
 
 @contextmanager

@@ -41,6 +41,16 @@ class Run:
         return self.folder / "learning" / "classifier.onnx"
 
     @property
+    def atlas(self) -> Path:
+        """Solved tasks of every gait, dense enough to predict starts between them; their gaits in `predictors`."""
+        return self.folder / "learning" / "atlas.safetensors"
+
+    @property
+    def predictors(self) -> Path:
+        """The gaits of the atlas, in its order, and how the predictors of starts did."""
+        return self.folder / "learning" / "predictors.json"
+
+    @property
     def published(self) -> Path:
         """Which dataset and model the run was published as."""
         return self.folder / "published.json"

@@ -1,6 +1,6 @@
 """The versioned artifact `models/<scenario>/<version>/`: publish it, verify it, list its versions."""
 
-from gaitflow.artifact.parts import Parts, PublishError, RegionStart
+from gaitflow.artifact.parts import Parts, PublishError, RegionStart, runtime_layout
 from gaitflow.artifact.publish import VersionExists, publish
 from gaitflow.artifact.verify import Finding, verify
 from gaitflow.artifact.versions import Published, newest, published
@@ -15,5 +15,6 @@ __all__ = [
     "newest",
     "publish",
     "published",
+    "runtime_layout",
     "verify",
 ]

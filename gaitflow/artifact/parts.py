@@ -13,7 +13,8 @@ from safetensors.numpy import save
 
 from gaitflow.gaits import Pattern, gait_of
 from gaitflow.problem import GaitProblem
-from gaitflow.runtime.files import CLASSIFIER, PROBLEM, WARM_STARTS, entry_of
+from gaitflow.runtime.atlas import Atlas, atlas_bytes
+from gaitflow.runtime.files import ATLAS, CLASSIFIER, PROBLEM, WARM_STARTS, entry_of
 from gaitflow.runtime.layout import Layout
 from gaitflow.runtime.manifest import FORMAT, TIME_FORMAT
 from gaitflow.runtime.versions import Version
@@ -50,9 +51,10 @@ class Parts:
 
     problem knows the scenario. feasible [speeds, cycle durations] says which grid tasks have a feasible gait.
     classifier is the ONNX graph (float32 [N, 2] -> `probability` [N, G]), classes [G] the gait of each of its outputs,
-    and starts hold one start for each of them, in any order. dataset names what was learnt from (`digest`,
-    `version`), code what made it; metrics, plain JSON, say how well. solver_options are IPOPT's, over the defaults of
-    a warm-started refinement. Raises PublishError when a class and a start do not pair up.
+    starts hold one start for each of them, in any order. atlas has sheets whose gaits are numbers of classes. dataset
+    names what was learnt from (`digest`, `version`), code what made it; metrics, plain JSON, say how well.
+    solver_options are IPOPT's, over the defaults of a warm-started refinement. Raises PublishError when a class and a
+    start do not pair up.
     """
 
     problem: GaitProblem
@@ -61,6 +63,7 @@ class Parts:
     classifier_kind: str
     classes: Sequence[str]
     starts: Sequence[RegionStart]
+    atlas: Atlas
     dataset: Mapping[str, Any]
     code: Mapping[str, Any]
     metrics: Mapping[str, Any]
@@ -70,6 +73,8 @@ class Parts:
         names = sorted(start.gait for start in self.starts)
         if names != sorted(set(self.classes)) or len(names) != len(self.classes):
             raise PublishError(f"the classifier's gaits are {list(self.classes)}, but there are starts for {names}")
+        if strangers := {sheet.gait for sheet in self.atlas.sheets} - set(range(len(self.classes))):
+            raise PublishError(f"{len(self.classes)} gaits, but the atlas has sheets of {sorted(strangers)}")
 
     @property
     def ordered_starts(self) -> list[RegionStart]:
@@ -84,6 +89,7 @@ def content_of(parts: Parts) -> dict[str, bytes]:
         CLASSIFIER: parts.classifier,
         PROBLEM: parts.problem.nlp.serialize().encode("ascii"),
         WARM_STARTS: save(_tensors(parts)),
+        ATLAS: atlas_bytes(parts.atlas),
     }
 
 
@@ -122,10 +128,10 @@ def manifest_of(parts: Parts, files: Mapping[str, bytes], version: Version, crea
     }
 
 
-def layout_data(problem: GaitProblem) -> dict[str, Any]:
-    """The sizes of the problem's decision vector as the runtime reads them."""
+def runtime_layout(problem: GaitProblem) -> Layout:
+    """The sizes of the problem's decision vector."""
     theirs = problem.layout
-    layout = Layout(
+    return Layout(
         phases=theirs.phases,
         knots_per_phase=theirs.knots_per_phase,
         legs=problem.scenario.robot.leg_names,
@@ -133,6 +139,11 @@ def layout_data(problem: GaitProblem) -> dict[str, Any]:
         base=theirs.nb,
         rows=problem.ng,
     )
+
+
+def layout_data(problem: GaitProblem) -> dict[str, Any]:
+    """The sizes of the problem's decision vector as the runtime reads them."""
+    layout = runtime_layout(problem)
     return {
         **asdict(layout),
         "legs": list(layout.legs),

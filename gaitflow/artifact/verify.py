@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,9 +17,10 @@ from gaitflow.problem.layout import layout_of
 from gaitflow.runtime import GaitMap
 from gaitflow.runtime.classifier import Classifier
 from gaitflow.runtime.errors import ArtifactError
-from gaitflow.runtime.files import CLASSIFIER, MANIFEST, PROBLEM, WARM_STARTS, read_checked
+from gaitflow.runtime.files import ATLAS, CLASSIFIER, MANIFEST, PROBLEM, WARM_STARTS, read_checked
+from gaitflow.runtime.gait_map import load_atlas
 from gaitflow.runtime.manifest import CONTENT, Manifest, read_manifest
-from gaitflow.runtime.refine import load_problem
+from gaitflow.runtime.problem import load_problem
 from gaitflow.runtime.tensors import GaitTensors, parse_tensors
 from gaitflow.runtime.versions import Version
 from gaitflow.scenario import Scenario, digest_of
@@ -58,12 +59,12 @@ def verify(path: Path, tasks: int = 4) -> list[Finding]:
 
 def inspect(folder: Path) -> list[Finding]:
     """The faults of the files in `folder` and of what they hold; nothing is planned."""
-    findings = _foreign(folder)
     try:
         manifest = read_manifest(folder)
     except ArtifactError as error:
-        return [*findings, Finding(MANIFEST, _without(folder, error))]
-    for name in CONTENT:
+        return [*_foreign(folder, CONTENT), Finding(MANIFEST, _without(folder, error))]
+    findings = _foreign(folder, manifest.files)
+    for name in manifest.files:
         with _noted(findings, folder, name):
             read_checked(folder, name, manifest.files[name])
     if findings:
@@ -75,6 +76,8 @@ def inspect(folder: Path) -> list[Finding]:
         content = read_checked(folder, WARM_STARTS, manifest.files[WARM_STARTS])
         tensors = parse_tensors(content, len(manifest.gaits), manifest.layout, str(folder / WARM_STARTS))
         findings += _tensor_faults(manifest, tensors)
+        with _noted(findings, folder, ATLAS):
+            findings += _atlas_faults(folder, manifest)
         with _noted(findings, folder, PROBLEM):
             findings += _problem_faults(folder, manifest, tensors)
     return findings
@@ -96,10 +99,10 @@ def _without(folder: Path, error: ArtifactError) -> str:
     return text
 
 
-def _foreign(folder: Path) -> list[Finding]:
+def _foreign(folder: Path, content: Iterable[str]) -> list[Finding]:
     names = {entry.name for entry in folder.iterdir()}
     return [
-        Finding(name, "does not belong to the artifact; remove it") for name in sorted(names - {MANIFEST, *CONTENT})
+        Finding(name, "does not belong to the artifact; remove it") for name in sorted(names - {MANIFEST, *content})
     ]
 
 
@@ -150,6 +153,22 @@ def _tensor_faults(manifest: Manifest, tensors: GaitTensors) -> list[Finding]:
     ]
     if (tensors.scale[slice(*manifest.layout.duration_slice)] != 1).any():
         findings.append(Finding(WARM_STARTS, "the scale of the durations must be 1: they are fractions of the cycle"))
+    return findings
+
+
+def _atlas_faults(folder: Path, manifest: Manifest) -> list[Finding]:
+    """Nodes outside the map's domain, and sheets whose pattern is none of their gait's."""
+    atlas, domain, findings = load_atlas(folder, manifest), manifest.domain, []
+    scenario = Scenario.from_data(dict(manifest.scenario), "scenario")
+    for sheet in atlas.sheets:
+        gait = manifest.gaits[sheet.gait]
+        if gait_of(Pattern.from_text(sheet.pattern), scenario.robot.mirror_permutation).text != gait.key:
+            findings.append(Finding(ATLAS, f"the pattern {sheet.pattern} of a sheet is not the gait {gait.name}"))
+        tasks = [(atlas.speeds[i], atlas.cycle_durations[j]) for i, j in sheet.places.tolist()]
+        outside = [task for task in tasks if not domain.contains(*task)]
+        if outside:
+            v, t = outside[0]
+            findings.append(Finding(ATLAS, f"{gait.name} has a node at ({v:g} m/s, {t:g} s), outside the map's domain"))
     return findings
 
 

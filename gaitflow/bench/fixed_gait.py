@@ -61,10 +61,10 @@ class FixedGait:
         return {"gait": choice.gait, "pattern": choice.pattern, **result, "build_s": self._build.get(method)}
 
     def _solve(self, method: str, choice: Choice, seed: int) -> dict[str, Any]:
-        assert choice.pattern is not None and choice.warm_start is not None, "tasks are drawn inside the domain"
+        assert choice.pattern is not None and choice.gait is not None, "tasks are drawn inside the domain"
         pattern, speed, cycle = Pattern.from_text(choice.pattern), choice.speed, choice.cycle_duration
         if method == "bounds_mean":
-            start = Start("mean", np.array(choice.warm_start.primal))
+            start = Start("mean", np.array(self._map.mean_start(choice.gait, cycle).primal))
         else:
             rng = np.random.default_rng(seed_of("table1", seed, speed, cycle))
             layout = self._big_m.problem.layout
@@ -77,9 +77,11 @@ class FixedGait:
         plan = self._map.plan(speed, cycle_duration, top=1)
         cpu = time.process_time() - cpu
         return {
-            "status": "solved" if plan.path == "first" else "failed",
+            "gait": plan.gait,
+            "pattern": plan.pattern,
+            "status": "solved" if plan.path in ("fast", "fallback") else "failed",
             "solver_status": plan.tried[0][1],
-            "cost": plan.cost if plan.path == "first" else None,
+            "cost": plan.cost if plan.path in ("fast", "fallback") else None,
             "violation": plan.violation,
             "iterations": plan.iterations,
             "wall_s": plan.time_ms / 1e3,

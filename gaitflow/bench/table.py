@@ -19,7 +19,7 @@ from gaitflow.bench.rows import Row, RowStore
 from gaitflow.bench.search import OURS, search
 from gaitflow.files import sha256_file
 from gaitflow.gaits import Pattern, representative
-from gaitflow.runtime import GaitMap, gait_map, plan, refine, solver_options
+from gaitflow.runtime import GaitMap, atlas, gait_map, interior_point, kkt, plan, problem, refine, solver_options
 from gaitflow.runtime.domain import Domain
 from gaitflow.runtime.versions import resolve
 from gaitflow.scenario import Scenario
@@ -105,7 +105,7 @@ def fixed_gaits(
         task_key(task) | {"method": method, "seed": seed} for task in tasks for method in fixed_gait.METHODS
     ]
     about = {"manifest": sha256_file(resolve(artifact) / "manifest.json")}
-    modules = [fixed_gait, big_m, gait_map, plan, refine, solver_options]
+    modules = [fixed_gait, big_m, atlas, gait_map, interior_point, kkt, plan, problem, refine, solver_options]
     limit = 10 * scenario.strategy.solve_time_limit  # wall time: the machine may be busy
     setup = {"artifact": str(artifact), "warm_up": [warm_up.speed, warm_up.cycle_duration]}
     with child.Child("gaitflow.bench.fixed_gait:FixedGait", setup) as planner:

@@ -56,6 +56,18 @@ def region_means(
     return tuple(_mean(gait, by_gait[gait], pack) for gait in sorted(by_gait))
 
 
+def winning_patterns(labels: pd.DataFrame, starts: Iterable[WarmStart]) -> dict[str, str]:
+    """Full patterns and their gaits: those of the starts, and all that are the best at a task of the grid.
+
+    A gait may win with several: which phase it repeats depends on the task. Gaits without a start are left out.
+    """
+    patterns = {start.pattern: start.gait for start in starts}
+    grid = labels[(labels["split"] == "grid") & (labels["status"] == "solved")]
+    known = set(patterns.values())
+    best = {str(row.pattern): str(row.gait) for row in grid.itertuples() if row.gait in known}
+    return patterns | {pattern: best[pattern] for pattern in sorted(set(best) - set(patterns))}
+
+
 def _usable(solution: Solution) -> bool:
     kept = solution.trajectory is not None and solution.multipliers is not None
     return kept and solution.status == "solved" and solution.violation <= MAX_VIOLATION

@@ -16,8 +16,9 @@ class Choice:
     """The gait for one task (speed m/s, cycle duration s).
 
     `gait` is the name of the likeliest gait, `pattern` its contacts (a row of 0 swing, 1 stance a leg, joined by "/"),
-    `probability` the classifier's; `ranked` all gaits with their probabilities, likeliest first. Outside the map's
-    domain `in_domain` is False, `gait` and `pattern` are None, `probability` is 0 and `ranked` is empty.
+    `probability` the classifier's, calibrated; `ranked` all gaits with their probabilities, likeliest first. Outside
+    the map's domain `in_domain` is False, and unless it was asked for all the same `gait` and `pattern` are None,
+    `probability` is 0 and `ranked` is empty.
     """
 
     speed: float
@@ -27,12 +28,22 @@ class Choice:
     pattern: str | None
     probability: float
     ranked: tuple[tuple[str, float], ...]
-    _warm_start: Callable[[str, float], WarmStart] = field(repr=False, compare=False)
+    _warm_start: Callable[[str, float, float], WarmStart] = field(repr=False, compare=False)
+    _distance: Callable[[float, float], float] = field(repr=False, compare=False)
 
     @property
     def warm_start(self) -> WarmStart | None:
-        """Where to start an optimiser for this gait and cycle duration; unpacked on each call, None out of domain."""
-        return None if self.gait is None else self._warm_start(self.gait, self.cycle_duration)
+        """Where to start an optimiser for this gait and task, predicted by the atlas; made on each call.
+
+        The mean of the gait's region where the atlas does not know the gait; None without a gait. Raises ArtifactError
+        when the atlas is damaged.
+        """
+        return None if self.gait is None else self._warm_start(self.gait, self.speed, self.cycle_duration)
+
+    @property
+    def distance(self) -> float:
+        """To the nearest task that the map was trained on, in steps of its grid: at most 0.71 amid four of them."""
+        return self._distance(self.speed, self.cycle_duration)
 
 
 @dataclass(frozen=True)

@@ -62,6 +62,22 @@ class Domain:
         tasks = ", ".join(f"({v:g} m/s, {t:g} s)" for v, t in sorted(corners))
         return f"task ({speed:g} m/s, {cycle_duration:g} s) lies at grid tasks without a feasible gait: {tasks}"
 
+    def distance(self, speed: float, cycle_duration: float) -> float:
+        """From a task to the nearest grid task with a feasible gait, in steps of the grid; infinite without any."""
+        tasks, steps = self._trained
+        if not len(tasks):
+            return float("inf")
+        return float(np.sqrt((((tasks - (speed, cycle_duration)) / steps) ** 2).sum(axis=1).min()))
+
+    @cached_property
+    def _trained(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Grid tasks with a feasible gait [n, 2], and the mean steps of the axes [2]; 1 for an axis of one value."""
+        axes = (self.speeds, self.cycle_durations)
+        rows, columns = np.nonzero(self._grid)
+        tasks = np.column_stack([np.array(axis)[index] for axis, index in zip(axes, (rows, columns), strict=True)])
+        steps = [(axis[-1] - axis[0]) / (len(axis) - 1) if len(axis) > 1 else 1.0 for axis in axes]
+        return tasks, np.array(steps)
+
     @cached_property
     def _grid(self) -> NDArray[np.bool_]:
         return np.array(self.feasible, dtype=bool)

@@ -15,6 +15,7 @@ CARD = "README.md"
 CLASSIFIER = "classifier.onnx"
 PROBLEM = "problem.casadi"
 WARM_STARTS = "warmstarts.safetensors"
+ATLAS = "atlas.safetensors"
 
 # Largest size of each file [bytes]: far above what a map needs, far below what a machine has.
 LIMITS = {
@@ -23,6 +24,7 @@ LIMITS = {
     CLASSIFIER: 64_000_000,
     PROBLEM: 128_000_000,
     WARM_STARTS: 512_000_000,
+    ATLAS: 512_000_000,
 }
 
 

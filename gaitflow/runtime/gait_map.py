@@ -12,21 +12,24 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gaitflow.runtime.atlas import Atlas, parse_atlas
 from gaitflow.runtime.choice import Choice, Choices
 from gaitflow.runtime.classifier import Classifier
 from gaitflow.runtime.errors import OutOfDomain
-from gaitflow.runtime.files import CLASSIFIER, WARM_STARTS, read_checked
+from gaitflow.runtime.files import ATLAS, CLASSIFIER, WARM_STARTS, read_checked
 from gaitflow.runtime.manifest import Gait, Manifest, read_manifest
-from gaitflow.runtime.plan import Plan, refine_ranked
-from gaitflow.runtime.refine import Refiner
+from gaitflow.runtime.plan import Asked, Plan, refine_ranked
+from gaitflow.runtime.problem import Problem
+from gaitflow.runtime.refine import Candidate, Refiner
 from gaitflow.runtime.tensors import GaitTensors, WarmStart, parse_tensors, warm_start
 from gaitflow.runtime.versions import resolve
+from gaitflow.trajectory import Array
 
 
 class GaitMap:
     """A published map from task (speed m/s, cycle duration s) to gait. Build it with `GaitMap.load`.
 
-    Immutable and safe to use from many threads; plans of one process are made one at a time.
+    Immutable and safe to use from many threads, each of which gets a solver of its own.
     """
 
     def __init__(self, folder: Path, manifest: Manifest, classifier: Classifier, tensors: GaitTensors) -> None:
@@ -35,14 +38,17 @@ class GaitMap:
         self._classifier = classifier
         self._tensors = tensors
         self._names = tuple(gait.name for gait in manifest.gaits)
-        self._building = threading.Lock()
-        self._refiner: Refiner | None = None
+        self._building = threading.RLock()
+        self._of_thread = threading.local()
+        self._loaded_atlas: Atlas | None = None
+        self._problem: Problem | None = None
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> GaitMap:
         """Load `models/<scenario>/<version>`, or the newest version in `models/<scenario>`.
 
-        The digests of the classifier and the warm starts are checked; the problem's is when the first plan is made.
+        The digests of the classifier and the mean starts are checked; the atlas' and the problem's when the first warm
+        start is asked for and the first plan is made.
         Raises ArtifactError that names the file and what is wrong with it.
         """
         folder = resolve(Path(path))
@@ -63,17 +69,23 @@ class GaitMap:
         """The gaits that the map chooses from, in the order of `Choices.index`."""
         return self._manifest.gaits
 
-    def select(self, speed: float, cycle_duration: float) -> Choice:
-        """The gait for one task (m/s, s). Raises ValueError for an argument that is no finite number."""
+    def select(self, speed: float, cycle_duration: float, beyond: bool = False) -> Choice:
+        """The gait for one task (m/s, s). Raises ValueError for an argument that is no finite number.
+
+        Outside the map's domain it says nothing, unless `beyond` asks for the classifier's guess all the same.
+        """
         speed, cycle_duration = _finite("speed", speed), _finite("cycle_duration", cycle_duration)
-        if not self._manifest.domain.contains(speed, cycle_duration):
-            return Choice(speed, cycle_duration, False, None, None, 0.0, (), self._warm_start)
+        inside = self._manifest.domain.contains(speed, cycle_duration)
+        if not inside and not beyond:
+            return Choice(speed, cycle_duration, False, None, None, 0.0, (), self._warm_start, self._distance)
         probabilities = self._probabilities(speed, cycle_duration)
         names = self._names
         ranked = tuple([(names[index], probabilities[index]) for index in _ranking(probabilities)])
         gait, probability = ranked[0]
         pattern = self._manifest.gaits[names.index(gait)].pattern
-        return Choice(speed, cycle_duration, True, gait, pattern, probability, ranked, self._warm_start)
+        return Choice(
+            speed, cycle_duration, inside, gait, pattern, probability, ranked, self._warm_start, self._distance
+        )
 
     def select_many(self, speeds: ArrayLike, cycle_durations: ArrayLike) -> Choices:
         """The gaits for arrays of tasks (m/s, s) that broadcast against each other.
@@ -92,39 +104,101 @@ class GaitMap:
         gaits[...] = np.array([*self._names, None], dtype=object)[index]
         return Choices(gaits, index, probability, inside)
 
-    def plan(self, speed: float, cycle_duration: float, top: int = 3) -> Plan:
-        """A motion for one task (m/s, s), refined from the warm start of the likeliest gait; needs gaitflow[solve].
+    def plan(self, speed: float, cycle_duration: float, top: int = 3, beyond: bool = False) -> Plan:
+        """A motion for one task (m/s, s), refined from a predicted start; needs gaitflow[solve].
 
-        If that gait does not refine to a feasible motion the next is tried, `top` gaits at most, and the plan says so.
-        Raises OutOfDomain outside the map's domain, ValueError for an argument that is no finite number, ImportError
-        without CasADi, ArtifactError when the artifact's problem is damaged.
+        Tried first is the gait that the atlas predicts to cost least; gaits that it does not know at this task follow
+        by their probability. If one does not refine to a feasible motion the next is tried, `top` gaits at most, and
+        the plan says so. `beyond` plans outside the map's domain, too: what comes out is checked all the same, and a
+        plan that is not feasible says so. Raises OutOfDomain outside the domain otherwise, ValueError for an argument
+        that is no finite number, ImportError without CasADi, ArtifactError when a file of the artifact is damaged.
         """
         started = time.perf_counter()
         speed, cycle_duration = _finite("speed", speed), _finite("cycle_duration", cycle_duration)
         if isinstance(top, bool) or not isinstance(top, int) or top < 1:
             raise ValueError(f"top = {top!r}: must be a number of gaits to try, 1 or more")
         domain = self._manifest.domain
-        if not domain.contains(speed, cycle_duration):
+        inside = domain.contains(speed, cycle_duration)
+        if not inside and (not beyond or cycle_duration <= 0):
             raise OutOfDomain(domain.explain(speed, cycle_duration))
+        refiner = self._refiner()
         probabilities = self._probabilities(speed, cycle_duration)
-        ranked = [(i, self._manifest.gaits[i], probabilities[i]) for i in _ranking(probabilities)[:top]]
-        return refine_ranked(self._load_refiner(), ranked, speed, cycle_duration, started)
+        candidates = self._candidates(probabilities, speed, cycle_duration)[:top]
+        ranked = [(each, self._manifest.gaits[each.gait], probabilities[each.gait]) for each in candidates]
+        asked = Asked(speed, cycle_duration, inside, domain.distance(speed, cycle_duration), started)
+        return refine_ranked(refiner, ranked, asked)
+
+    def mean_start(self, gait: str, cycle_duration: float) -> WarmStart:
+        """The paper's warm start of a gait: the mean over its region, scaled to the cycle duration [s].
+
+        Raises ValueError for a gait that the map does not have.
+        """
+        if gait not in self._names:
+            raise ValueError(f"gait = {gait!r}: the map has {', '.join(self._names)}")
+        index = self._names.index(gait)
+        return self._unpacked(index, self._manifest.gaits[index].pattern, self._tensors.mean(index), cycle_duration)
 
     def _probabilities(self, speed: float, cycle_duration: float) -> list[float]:
         task = np.array([[speed, cycle_duration]], dtype=np.float32)
         probabilities: list[float] = self._classifier(task)[0].tolist()
         return probabilities
 
-    def _load_refiner(self) -> Refiner:
-        with self._building:
-            if self._refiner is None:
-                self._refiner = Refiner(self._folder, self._manifest, self._tensors)
-            return self._refiner
+    def _candidates(self, probabilities: list[float], speed: float, cycle_duration: float) -> list[Candidate]:
+        """Gaits of known cost, cheapest first, each by its cheapest sheet; then the others, likeliest first."""
+        atlas = self._atlas()
+        known = [Candidate(atlas.sheets[sheet].gait, sheet) for sheet in atlas.ranked(speed, cycle_duration)]
+        gaits = {each.gait for each in known}
+        return known + [Candidate(gait, None) for gait in _ranking(probabilities) if gait not in gaits]
 
-    def _warm_start(self, gait: str, cycle_duration: float) -> WarmStart:
-        index = self._names.index(gait)
-        pattern = self._manifest.gaits[index].pattern
-        return warm_start(self._tensors, self._manifest.layout, index, gait, pattern, cycle_duration)
+    def _refiner(self) -> Refiner:
+        refiner: Refiner | None = getattr(self._of_thread, "refiner", None)
+        if refiner is None:
+            atlas = self._atlas()
+            with self._building:
+                if self._problem is None:
+                    self._problem = Problem(self._folder, self._manifest)
+                refiner = Refiner(self._problem, self._manifest, self._tensors, atlas)
+            self._of_thread.refiner = refiner
+        return refiner
+
+    def _atlas(self) -> Atlas:
+        if self._loaded_atlas is None:
+            with self._building:
+                if self._loaded_atlas is None:
+                    self._loaded_atlas = load_atlas(self._folder, self._manifest)
+        return self._loaded_atlas
+
+    def _warm_start(self, gait: str, speed: float, cycle_duration: float) -> WarmStart:
+        index, atlas = self._names.index(gait), self._atlas()
+        own = [sheet for sheet in atlas.ranked(speed, cycle_duration) if atlas.sheets[sheet].gait == index]
+        predicted = atlas.predict(own[0], speed, cycle_duration) if own else None
+        if predicted is None:
+            return self.mean_start(gait, cycle_duration)
+        sheet = atlas.sheets[own[0]]
+        vectors = sheet.space.join(sheet.space.decode(predicted.point), predicted.cost)
+        return self._unpacked(index, sheet.pattern, vectors, cycle_duration)
+
+    def _unpacked(
+        self, gait: int, pattern: str, vectors: tuple[Array, Array, Array], cycle_duration: float
+    ) -> WarmStart:
+        manifest = self._manifest
+        return warm_start(
+            manifest.layout, self._tensors.scale, manifest.gaits[gait].name, pattern, vectors, cycle_duration
+        )
+
+    def _distance(self, speed: float, cycle_duration: float) -> float:
+        return self._manifest.domain.distance(speed, cycle_duration)
+
+
+def load_atlas(folder: Path, manifest: Manifest) -> Atlas:
+    """The atlas of the artifact in `folder`, an empty one for a map of before there were any.
+
+    Raises ArtifactError when it is damaged or does not fit the manifest.
+    """
+    if ATLAS not in manifest.files:
+        return Atlas.empty()
+    content = read_checked(folder, ATLAS, manifest.files[ATLAS])
+    return parse_atlas(content, len(manifest.gaits), manifest.layout, str(folder / ATLAS))
 
 
 def _ranking(probabilities: list[float]) -> list[int]:

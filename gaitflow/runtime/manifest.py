@@ -13,15 +13,26 @@ from typing import Any
 from gaitflow.gaits import Pattern
 from gaitflow.runtime.domain import Domain
 from gaitflow.runtime.errors import ArtifactError
-from gaitflow.runtime.files import CARD, CLASSIFIER, LIMITS, MANIFEST, PROBLEM, WARM_STARTS, FileEntry, read_limited
+from gaitflow.runtime.files import (
+    ATLAS,
+    CARD,
+    CLASSIFIER,
+    LIMITS,
+    MANIFEST,
+    PROBLEM,
+    WARM_STARTS,
+    FileEntry,
+    read_limited,
+)
 from gaitflow.runtime.layout import Layout
 from gaitflow.runtime.solver_options import checked_options
 from gaitflow.runtime.strict import Fields
 from gaitflow.runtime.versions import Version
 
-FORMAT = 1
+FORMAT = 2
 TIME_FORMAT = "%Y-%m-%dT%H:%M:%SZ"
-CONTENT = (CARD, CLASSIFIER, PROBLEM, WARM_STARTS)  # every file of an artifact but the manifest
+CONTENT = (CARD, CLASSIFIER, PROBLEM, WARM_STARTS, ATLAS)  # every file of an artifact but the manifest
+_OLDER = {1: (CARD, CLASSIFIER, PROBLEM, WARM_STARTS)}  # maps without an atlas: plans start at a region's mean
 SELF_DIGEST = "manifest_sha256"
 MAX_GAITS = 4096
 MAX_AXIS = 10_000
@@ -101,17 +112,17 @@ def parse_manifest(content: bytes, where: str) -> Manifest:
     found = data.get("format")
     if type(found) is int and found > FORMAT:
         raise ArtifactError(
-            f"{where}: the artifact has format {found}, this gaitflow reads format {FORMAT}: "
+            f"{where}: the artifact has format {found}, this gaitflow reads format 1 to {FORMAT}: "
             "update gaitflow, or use an artifact that this version published"
         )
-    if found != FORMAT or type(found) is not int:
-        raise ArtifactError(f"{where}: format = {str(found)[:80]!r}: this gaitflow reads format {FORMAT}")
+    if type(found) is not int or found not in (FORMAT, *_OLDER):
+        raise ArtifactError(f"{where}: format = {str(found)[:80]!r}: this gaitflow reads format 1 to {FORMAT}")
     if not _is_encoded(data, content):
         raise ArtifactError(
             f"{where}: its content does not have the SHA-256 that it states: it is damaged or was edited; "
             "copy the artifact again or publish a new version"
         )
-    return _manifest(Fields(data, where, _FIELDS))
+    return _manifest(Fields(data, where, _FIELDS), _OLDER.get(found, CONTENT))
 
 
 def _is_encoded(data: dict[str, Any], content: bytes) -> bool:
@@ -121,7 +132,7 @@ def _is_encoded(data: dict[str, Any], content: bytes) -> bool:
         return False
 
 
-def _manifest(fields: Fields) -> Manifest:
+def _manifest(fields: Fields, content: tuple[str, ...]) -> Manifest:
     layout = _layout(fields.inner("layout", (
         "phases", "knots_per_phase", "legs", "dimension", "base", "variables", "rows", "duration_slice",
     )))  # fmt: skip
@@ -139,7 +150,7 @@ def _manifest(fields: Fields) -> Manifest:
         classifier_kind=fields.inner("classifier", ("kind",)).text("kind"),
         metrics=fields.mapping("metrics"),
         solver_options=checked_options(fields.inner("solver", ("options",)).mapping("options")),
-        files=_files(fields.inner("files", CONTENT)),
+        files=_files(fields.inner("files", content), content),
     )
 
 
@@ -215,9 +226,9 @@ def _layout(fields: Fields) -> Layout:
     return layout
 
 
-def _files(fields: Fields) -> Mapping[str, FileEntry]:
+def _files(fields: Fields, content: tuple[str, ...]) -> Mapping[str, FileEntry]:
     entries = {}
-    for name in CONTENT:
+    for name in content:
         entry = fields.inner(name, ("sha256", "bytes"))
         entries[name] = FileEntry(entry.digest("sha256"), entry.integer("bytes", 0, LIMITS[name]))
     return entries

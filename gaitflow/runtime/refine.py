@@ -1,48 +1,50 @@
-"""Refining a warm start into a plan: the fixed-gait problem of the artifact, solved by IPOPT.
+"""Refining a gait's predicted start into a motion: Newton steps on the central path, and IPOPT where they fail.
 
-The only module of the runtime that uses CasADi. The problem is a serialised CasADi function, and reading one is C++
-code that trusts its input: an artifact should come from a source you trust. Its digest and size are checked first,
-and nothing but `GaitMap.plan` opens that file.
+Whoever solved it, a motion counts when it converged and `gaitflow.check`, which shares nothing with the problem, finds
+it feasible.
 """
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Mapping
+import time
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from gaitflow import check
-from gaitflow.runtime.errors import ArtifactError
-from gaitflow.runtime.files import PROBLEM, read_checked
+from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.interior_point import InteriorPoint
 from gaitflow.runtime.layout import unpack
 from gaitflow.runtime.manifest import Manifest
-from gaitflow.runtime.solver_options import WARM_START
+from gaitflow.runtime.point import GaitSpace, Point
+from gaitflow.runtime.problem import CONVERGED, Problem
+from gaitflow.runtime.program import Program
 from gaitflow.runtime.tensors import GaitTensors
 from gaitflow.trajectory import Array, Trajectory
 
-# IPOPT with MUMPS crashes when two threads of one process solve at once (casadi issue 3456).
-_SOLVING = threading.Lock()
-
-_CONVERGED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
+FAST, FALLBACK = "fast", "fallback"
+QUICK = 15  # iterations of the first try, from a good prediction
+STEADY_BARRIER, STEADY = 1e-2, 30  # a higher barrier, eigenvalues looked after, more iterations
+LEAST_COST = 1e-9
 
 
 @dataclass(frozen=True)
 class Attempt:
-    """One solve: what came out, our own verdict on it, and what the solver said.
+    """One gait refined: what came out, for which full pattern, our own verdict on it, and what the solver said.
 
-    cost in the scenario's units; violation is the worst scaled one (gaitflow.check); a solve that threw leaves its
-    start, with 0 iterations.
+    cost in the scenario's units; violation is the worst scaled one (gaitflow.check). method: "fast" or "fallback".
+    iterations are Newton's and IPOPT's. predict_ms and refine_ms are wall times, checking included.
     """
 
     trajectory: Trajectory
+    pattern: str
     cost: float
     violation: float
     iterations: int
     solver_status: str
+    method: str
+    predict_ms: float
+    refine_ms: float
 
     @property
     def feasible(self) -> bool:
@@ -52,86 +54,109 @@ class Attempt:
     @property
     def refined(self) -> bool:
         """Feasible and a minimum: the solver's word is needed for the second, and never enough for the first."""
-        return self.feasible and self.solver_status in _CONVERGED
+        return self.feasible and self.solver_status in CONVERGED
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """Gait number `gait` of the map by a sheet of the atlas, or from the mean of its region when `sheet` is None."""
+
+    gait: int
+    sheet: int | None
 
 
 class Refiner:
-    """The artifact's problem as a solver, built once.
+    """A map's gaits, each pattern with a matrix of its own from its first solve on. `problem` may be shared by threads.
 
-    Raises ImportError without CasADi, ArtifactError when the problem is damaged or does not fit the manifest.
+    For one thread.
     """
 
-    def __init__(self, folder: Path, manifest: Manifest, tensors: GaitTensors) -> None:
-        casadi = _casadi()
+    def __init__(self, problem: Problem, manifest: Manifest, tensors: GaitTensors, atlas: Atlas) -> None:
+        self._problem = problem
         self._manifest = manifest
         self._tensors = tensors
-        self._function = load_problem(folder, manifest)
-        w, task = casadi.SX.sym("w", manifest.layout.variables), casadi.SX.sym("task", 2)
-        cost, rows = self._function(w, task)
-        self._solver = casadi.nlpsol(
-            "refine", "ipopt", {"x": w, "p": task, "f": cost, "g": rows}, _options(manifest.solver_options)
-        )
+        self._atlas = atlas
+        self._program = Program(problem.derivatives)
+        self._methods: dict[Candidate, InteriorPoint] = {}
 
-    def solve(self, gait: int, speed: float, cycle_duration: float) -> Attempt:
-        """Solve gait number `gait` for a task (m/s, s) from its primal and dual warm start."""
-        tensors, task = self._tensors, np.array([speed, cycle_duration])
-        w, iterations = tensors.primal[gait], 0
-        with _SOLVING:
-            try:
-                answer = self._solver(
-                    x0=w, p=task,
-                    lbx=tensors.lower_bounds[gait], ubx=tensors.upper_bounds[gait],
-                    lbg=tensors.lower_rows[gait], ubg=tensors.upper_rows[gait],
-                    lam_x0=tensors.multipliers_bounds[gait], lam_g0=tensors.multipliers_rows[gait],
-                )  # fmt: skip
-                statistics = self._solver.stats()
-                status, iterations = str(statistics["return_status"]), int(statistics.get("iter_count", 0))
-                w = np.asarray(answer["x"], dtype=float).ravel()
-            except RuntimeError as error:
-                status = f"the solver failed: {str(error).strip().splitlines()[-1][:200]}"
-            cost = float(self._function(w, task)[0]) * self._manifest.cost_scale
-        return self._judge(gait, speed, cycle_duration, w, cost, iterations, status)
+    def solve(self, candidate: Candidate, speed: float, cycle_duration: float) -> Attempt:
+        """Solve for a task (m/s, s): fast from the prediction, else by IPOPT, at last from the mean of the region."""
+        started = time.perf_counter()
+        task = np.array([speed, cycle_duration])
+        method = self.method(candidate)
+        unit, start, tries = self._start(candidate, method.space, task)
+        ready = time.perf_counter()
+        run = _Run(candidate, task, started, ready)
+        for barrier, limit, correct in tries:
+            outcome = method.follow(task, start, unit, barrier, limit, correct)
+            run.iterations += outcome.iterations
+            if outcome.converged:
+                attempt = self._judged(run, outcome.w, outcome.cost, CONVERGED[0], FAST)
+                if attempt.feasible:
+                    return attempt
+        return self._fallback(run, method.space, start, unit)
 
-    def _judge(
-        self, gait: int, speed: float, cycle_duration: float, w: Array, cost: float, iterations: int, status: str
-    ) -> Attempt:
-        manifest = self._manifest
+    def method(self, candidate: Candidate) -> InteriorPoint:
+        """The fast method of a candidate's pattern; made when it is asked for the first time."""
+        if candidate not in self._methods:
+            self._methods[candidate] = InteriorPoint(self._program, self._space(candidate))
+        return self._methods[candidate]
+
+    def _space(self, candidate: Candidate) -> GaitSpace:
+        if candidate.sheet is None:
+            return self._tensors.space(candidate.gait)
+        return self._atlas.sheets[candidate.sheet].space
+
+    def _pattern(self, candidate: Candidate) -> str:
+        if candidate.sheet is None:
+            return self._manifest.gaits[candidate.gait].pattern
+        return self._atlas.sheets[candidate.sheet].pattern
+
+    def _start(
+        self, candidate: Candidate, space: GaitSpace, task: Array
+    ) -> tuple[float, Point, tuple[tuple[float, int, bool], ...]]:
+        """The cost that is expected, a point, and (barrier, iterations, correct) of the tries from it."""
+        if candidate.sheet is not None:
+            predicted = self._atlas.predict(candidate.sheet, float(task[0]), float(task[1]))
+            if predicted is not None:
+                tries = (self._atlas.barrier, QUICK, False), (STEADY_BARRIER, STEADY, True)
+                return predicted.cost, space.decode(predicted.point), tries
+        primal, bounds, rows = self._tensors.mean(candidate.gait)
+        unit = max(self._problem.cost(primal, task), LEAST_COST)
+        tries = (STEADY_BARRIER, STEADY, False), (STEADY_BARRIER, STEADY, True)
+        return unit, space.split(primal, bounds, rows, unit), tries
+
+    def _fallback(self, run: _Run, space: GaitSpace, start: Point, unit: float) -> Attempt:
+        for primal, bounds, rows in (space.join(start, unit), self._tensors.mean(run.candidate.gait)):
+            answer = self._problem.ipopt(space, run.task, primal, bounds, rows)
+            run.iterations += answer.iterations
+            attempt = self._judged(run, answer.w, self._problem.cost(answer.w, run.task), answer.status, FALLBACK)
+            if attempt.refined:
+                break
+        return attempt
+
+    def _judged(self, run: _Run, w: Array, cost: float, status: str, method: str) -> Attempt:
+        manifest, (speed, cycle_duration) = self._manifest, map(float, run.task)
         trajectory = unpack(manifest.layout, self._tensors.scale, w, cycle_duration)
-        pattern = manifest.gaits[gait].pattern
+        pattern = self._pattern(run.candidate)
         violation = check.worst(manifest.scenario, trajectory, speed, cycle_duration, pattern)
-        return Attempt(trajectory, cost, violation, iterations, status)
-
-
-def load_problem(folder: Path, manifest: Manifest) -> Any:
-    """The function (w [nw], task [2]) -> (cost [1], rows [ng]) of an artifact. Raises ArtifactError."""
-    casadi, path = _casadi(), folder / PROBLEM
-    content = read_checked(folder, PROBLEM, manifest.files[PROBLEM])
-    try:
-        function = casadi.Function.deserialize(content.decode("ascii"))
-    except (RuntimeError, ValueError) as error:
-        reason = str(error).strip().splitlines()[-1][:200]
-        raise ArtifactError(
-            f"{path}: CasADi {casadi.__version__} cannot read it ({reason}); install the version that made it, "
-            "which `code` in manifest.json names"
-        ) from None
-    takes = [function.size_in(i) for i in range(function.n_in())]
-    gives = [function.size_out(i) for i in range(function.n_out())]
-    if takes != [(manifest.layout.variables, 1), (2, 1)] or gives != [(1, 1), (manifest.layout.rows, 1)]:
-        raise ArtifactError(
-            f"{path}: the problem maps {takes} to {gives}; expected w [{manifest.layout.variables}] and task [2] "
-            f"to cost [1] and rows [{manifest.layout.rows}]"
+        return Attempt(
+            trajectory=trajectory,
+            pattern=pattern,
+            cost=cost * manifest.cost_scale,
+            violation=violation,
+            iterations=run.iterations,
+            solver_status=status,
+            method=method,
+            predict_ms=(run.ready - run.started) * 1e3,
+            refine_ms=(time.perf_counter() - run.ready) * 1e3,
         )
-    return function
 
 
-def _options(options: Mapping[str, float | int | str]) -> dict[str, Any]:
-    ipopt = {**WARM_START, **options, "linear_solver": "mumps", "print_level": 0, "sb": "yes"}
-    return {"ipopt": ipopt, "print_time": False, "error_on_fail": False, "show_eval_warnings": False}
-
-
-def _casadi() -> Any:
-    try:
-        import casadi
-    except ImportError:
-        raise ImportError('refining a plan needs CasADi: pip install "gaitflow[solve]"') from None
-    return casadi
+@dataclass
+class _Run:
+    candidate: Candidate
+    task: Array
+    started: float
+    ready: float
+    iterations: int = 0

@@ -1,4 +1,4 @@
-"""warmstarts.safetensors: for each gait where its optimiser starts, and the bounds that impose its pattern."""
+"""warmstarts.safetensors: for each gait the mean motion of its region, and the bounds that impose its pattern."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from safetensors.numpy import load
 
 from gaitflow.runtime.errors import ArtifactError
 from gaitflow.runtime.layout import Layout, unpack
+from gaitflow.runtime.point import GaitSpace
 from gaitflow.trajectory import Array, Trajectory
 
 
@@ -31,13 +32,21 @@ class GaitTensors:
     upper_rows: Array
     scale: Array
 
+    def space(self, gait: int) -> GaitSpace:
+        """The bounds of gait number `gait`."""
+        return GaitSpace(self.lower_bounds[gait], self.upper_bounds[gait], self.lower_rows[gait], self.upper_rows[gait])
+
+    def mean(self, gait: int) -> tuple[Array, Array, Array]:
+        """The mean of the gait's region: primal [nw], multipliers of bounds [nw] and rows [ng]."""
+        return self.primal[gait], self.multipliers_bounds[gait], self.multipliers_rows[gait]
+
 
 @dataclass(frozen=True)
 class WarmStart(Trajectory):
     """Where to start an optimiser of `pattern`: a trajectory in SI units, and the artifact's own scaled vectors.
 
     primal [nw] is the decision vector, multipliers_bounds [nw] and multipliers_rows [ng] are those of the artifact's
-    problem (CasADi's signs). The trajectory is the mean over a region of tasks: near feasible, not feasible.
+    problem (CasADi's signs). Predicted for the task, or the mean over a region of tasks: near feasible, not feasible.
     """
 
     gait: str
@@ -84,15 +93,20 @@ def parse_tensors(content: bytes, gaits: int, layout: Layout, where: str) -> Gai
 
 
 def warm_start(
-    tensors: GaitTensors, layout: Layout, index: int, gait: str, pattern: str, cycle_duration: float
+    layout: Layout,
+    scale: Array,
+    gait: str,
+    pattern: str,
+    vectors: tuple[Array, Array, Array],
+    cycle_duration: float,
 ) -> WarmStart:
-    """The warm start of gait `index` for a cycle of `cycle_duration` [s]."""
-    primal = tensors.primal[index]
+    """The warm start in vectors (primal [nw], multipliers of bounds [nw] and rows [ng]) for a cycle duration [s]."""
+    primal, bounds, rows = vectors
     return WarmStart(
-        **vars(unpack(layout, tensors.scale, primal, cycle_duration)),
+        **vars(unpack(layout, scale, primal, cycle_duration)),
         gait=gait,
         pattern=pattern,
         primal=primal,
-        multipliers_bounds=tensors.multipliers_bounds[index],
-        multipliers_rows=tensors.multipliers_rows[index],
+        multipliers_bounds=bounds,
+        multipliers_rows=rows,
     )

@@ -4,6 +4,8 @@ rule publish:
         "runs/{scenario}/labels.parquet",
         "runs/{scenario}/learning/learning.json",
         "runs/{scenario}/learning/classifier.onnx",
+        "runs/{scenario}/learning/atlas.safetensors",
+        "runs/{scenario}/learning/predictors.json",
     output:
         "runs/{scenario}/published.json",
     shell:
