@@ -17,9 +17,9 @@ from gaitflow.runtime.atlas import Atlas, Sheet
 from gaitflow.trajectory import Array
 
 NODES = "nodes"  # blend of the nodes around a task
-MODES = (16, 32, 64)
+MODES = (16, 32, 48)
 JUDGED = 24  # tasks a gait
-LIMIT = 15  # iterations; a run that needs more counts with these
+LIMIT = 12  # iterations; a run that needs more counts with these
 AS_GOOD = 1.02  # fewer modes are taken when they need at most this times the iterations
 NEVER = 1e30
 TEAR = 4.0  # times the usual distance of neighbours

@@ -26,7 +26,7 @@ from gaitflow.trajectory import Array
 MAX_AXIS = 2000
 MAX_MODES = 512
 MAX_SHEETS = 4096
-SUPPORT = 0.75  # share of the surrounding nodes, by their weights, that has to exist for a cost to count as known
+SUPPORT = 0.75  # share of the surrounding nodes that a cost has to rest on to be believed
 _NUMBERS = ("places", "costs", "mean", "modes", "coordinates", "tear")
 _BOUNDS = ("lower", "upper", "lower_rows", "upper_rows")
 _NAMES = ("gait", "pattern", *_BOUNDS, *_NUMBERS)
@@ -83,22 +83,28 @@ class Atlas:
         kept = (sheet for sheet in self.sheets if sheet.gait in number)
         return replace(self, sheets=tuple(replace(sheet, gait=number[sheet.gait]) for sheet in kept))
 
-    def costs(self, speed: float, cycle_duration: float) -> Array:
-        """The problem's cost of each sheet at a task, blended from the surrounding nodes; NaN where unknown."""
+    def costs(self, speed: float, cycle_duration: float) -> tuple[Array, Array]:
+        """The problem's cost of each sheet at a task, blended from the surrounding nodes, and how much it rests on.
+
+        The second is the share of those nodes that exist, by their weights; where it is 0 the cost is NaN.
+        """
         logs, known = self._tables
         i, j, weights = self._around(speed, cycle_duration)
         near = np.s_[:, i : i + 2, j : j + 2]
-        total = (known[near] * weights).sum(axis=(1, 2))
+        share = (known[near] * weights).sum(axis=(1, 2))
         with np.errstate(invalid="ignore", divide="ignore"):
-            blended = np.exp((logs[near] * weights).sum(axis=(1, 2)) / total)
-        return np.where(total >= SUPPORT, blended, np.nan)
+            return np.exp((logs[near] * weights).sum(axis=(1, 2)) / share), share
 
     def ranked(self, speed: float, cycle_duration: float) -> list[int]:
-        """The sheets of known cost at a task, one for each gait, cheapest first; of equal ones the first."""
-        costs = self.costs(speed, cycle_duration)
+        """The sheets with a node around a task, one for each gait; of equal ones the first.
+
+        First those whose cost rests on most of the nodes around, cheapest first, then the others: where a gait lacks
+        nodes it may have no motion.
+        """
+        costs, share = self.costs(speed, cycle_duration)
         best: dict[int, int] = {}
-        for sheet in np.argsort(costs, kind="stable").tolist():
-            if costs[sheet] == costs[sheet]:
+        for sheet in np.lexsort((costs, share < SUPPORT)).tolist():
+            if share[sheet] > 0:
                 best.setdefault(self.sheets[sheet].gait, sheet)
         return list(best.values())
 
@@ -116,6 +122,21 @@ class Atlas:
         weight /= weight.sum()
         point = chosen.mean + (weight @ near) @ chosen.modes
         return Prediction(float(np.exp(weight @ np.log(chosen.costs[nodes]))), point)
+
+    def nearest(self, sheet: int, speed: float, cycle_duration: float, count: int) -> list[Prediction]:
+        """The `count` nodes of a sheet that are nearest to a task, by steps of the axes, nearest first."""
+        chosen = self.sheets[sheet]
+        tasks, steps = self._tasks[sheet]
+        order = np.argsort((((tasks - (speed, cycle_duration)) / steps) ** 2).sum(axis=1), kind="stable")[:count]
+        points = chosen.mean + chosen.coordinates[order].astype(np.float64) @ chosen.modes
+        return [Prediction(float(cost), point) for cost, point in zip(chosen.costs[order], points, strict=True)]
+
+    @cached_property
+    def _tasks(self) -> list[tuple[Array, Array]]:
+        axes = np.array(self.speeds), np.array(self.cycle_durations)
+        steps = np.array([np.diff(axis).mean() for axis in axes])
+        places = [sheet.places for sheet in self.sheets]
+        return [(np.column_stack([axes[0][each[:, 0]], axes[1][each[:, 1]]]), steps) for each in places]
 
     @cached_property
     def _index(self) -> list[NDArray[np.intp]]:

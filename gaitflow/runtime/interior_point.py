@@ -26,6 +26,7 @@ LARGEST_ROW = 1e4  # a row further off than this is a lost run
 NEAREST = 1e-300
 NEAR = 1e-2  # errors below which the barrier may fall
 LEAST_STIFFNESS = 1e-14
+SHORT = 0.3  # a step shorter than this leads nowhere near a minimum, and the next one is corrected
 
 
 @dataclass(frozen=True)
@@ -84,24 +85,19 @@ class InteriorPoint:
         self._w = space.fixed.copy()
         self._multipliers = np.zeros(program.row_count)
 
-    def follow(
-        self, task: Array, start: Point, unit: float, barrier: float, limit: int, correct: bool = False
-    ) -> Outcome:
+    def follow(self, task: Array, start: Point, unit: float, barrier: float, limit: int) -> Outcome:
         """To the optimum at task (v, T), from a point near the central path at `barrier`; at most `limit` iterations.
 
-        unit > 0 is about the cost at the optimum; the start's multipliers belong to cost / unit. `correct` looks after
-        the matrix's eigenvalues, for starts that are far off.
+        unit > 0 is about the cost at the optimum; the start's multipliers belong to cost / unit.
         """
-        return self._run(task, start, unit, barrier, GAP / self.space.bounds, limit, correct)
+        return self._run(task, start, unit, barrier, GAP / self.space.bounds, limit)
 
     def centre(self, task: Array, start: Point, unit: float, barrier: float, limit: int) -> Outcome:
         """To the point of the central path at `barrier`; as `follow` otherwise."""
-        return self._run(task, start, unit, barrier, barrier, limit, correct=False)
+        return self._run(task, start, unit, barrier, barrier, limit)
 
-    def _run(
-        self, task: Array, start: Point, unit: float, barrier: float, end: float, limit: int, correct: bool
-    ) -> Outcome:
-        centring = end == barrier
+    def _run(self, task: Array, start: Point, unit: float, barrier: float, end: float, limit: int) -> Outcome:
+        centring, length = end == barrier, 1.0
         with np.errstate(all="ignore"):  # a lost run ends at a number that is not finite
             values, point = self._inside(task, start, barrier)
             self._evaluate(values, point.rows, task, unit)
@@ -113,7 +109,7 @@ class InteriorPoint:
                 if iteration == 0 or residual.largest < NEAR:
                     barrier = max(end, min(0.1 * barrier, barrier**1.5))
                 try:
-                    values, point = self._step(values, point, residual, unit, barrier, correct)
+                    values, point, length = self._step(values, point, residual, unit, barrier, length < SHORT)
                 except NotFactorised:
                     break
                 self._evaluate(values, point.rows, task, unit)
@@ -140,8 +136,11 @@ class InteriorPoint:
 
     def _step(
         self, values: Array, point: Point, residual: _Residual, unit: float, barrier: float, correct: bool
-    ) -> tuple[Array, Point]:
-        """One Newton step towards the central path at `barrier`, as long as it stays inside. Raises NotFactorised."""
+    ) -> tuple[Array, Point, float]:
+        """One Newton step towards the central path at `barrier`, shortened to stay inside, and how short it became.
+
+        `correct` looks after the matrix's eigenvalues. Raises NotFactorised.
+        """
         space, free, slacks = self.space, len(self.space.free), len(self.space.free) + len(self.space.equal)
         below, above, to_lower, to_upper = space.has_lower, space.has_upper, residual.to_lower, residual.to_upper
         stiffness = point.lower / to_lower * below + point.upper / to_upper * above
@@ -158,7 +157,8 @@ class InteriorPoint:
         dual = min(_longest(point.lower, lower, below, keep), _longest(point.upper, upper, above, keep))
         values = values + primal * moved
         rows = point.rows + primal * step[free:]
-        return values, Point(values[:free], rows, point.lower + dual * lower, point.upper + dual * upper)
+        point = Point(values[:free], rows, point.lower + dual * lower, point.upper + dual * upper)
+        return values, point, min(primal, dual)
 
     def _inside(self, task: Array, start: Point, barrier: float) -> tuple[Array, Point]:
         """Values [nF + nI] of free variables and inequality rows inside their bounds, and multipliers that fit."""

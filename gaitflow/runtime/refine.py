@@ -6,7 +6,9 @@ it feasible.
 
 from __future__ import annotations
 
+import itertools
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,8 +25,10 @@ from gaitflow.runtime.tensors import GaitTensors
 from gaitflow.trajectory import Array, Trajectory
 
 FAST, FALLBACK = "fast", "fallback"
-QUICK = 15  # iterations of the first try, from a good prediction
-STEADY_BARRIER, STEADY = 1e-2, 30  # a higher barrier, eigenvalues looked after, more iterations
+QUICK = 12  # iterations of the first try, from a prediction between the nodes
+STEADY_BARRIER, STEADY = 1e-3, 25  # of a further one, from a node itself: a higher barrier is more patient
+NODES = 2
+MEAN_BARRIER, MEAN = 1e-2, 30  # from the mean of a region, far off
 LEAST_COST = 1e-9
 
 
@@ -84,17 +88,17 @@ class Refiner:
         started = time.perf_counter()
         task = np.array([speed, cycle_duration])
         method = self.method(candidate)
-        unit, start, tries = self._start(candidate, method.space, task)
-        ready = time.perf_counter()
-        run = _Run(candidate, task, started, ready)
-        for barrier, limit, correct in tries:
-            outcome = method.follow(task, start, unit, barrier, limit, correct)
+        tries = self._tries(candidate, method.space, task)
+        first = next(tries)
+        run = _Run(candidate, task, started, time.perf_counter())
+        for each in itertools.chain([first], tries):
+            outcome = method.follow(task, each.start, each.unit, each.barrier, each.limit)
             run.iterations += outcome.iterations
             if outcome.converged:
                 attempt = self._judged(run, outcome.w, outcome.cost, CONVERGED[0], FAST)
                 if attempt.feasible:
                     return attempt
-        return self._fallback(run, method.space, start, unit)
+        return self._fallback(run, method.space, first)
 
     def method(self, candidate: Candidate) -> InteriorPoint:
         """The fast method of a candidate's pattern; made when it is asked for the first time."""
@@ -112,22 +116,22 @@ class Refiner:
             return self._manifest.gaits[candidate.gait].pattern
         return self._atlas.sheets[candidate.sheet].pattern
 
-    def _start(
-        self, candidate: Candidate, space: GaitSpace, task: Array
-    ) -> tuple[float, Point, tuple[tuple[float, int, bool], ...]]:
-        """The cost that is expected, a point, and (barrier, iterations, correct) of the tries from it."""
+    def _tries(self, candidate: Candidate, space: GaitSpace, task: Array) -> Iterator[_Try]:
+        """Where the fast method may start, the best first."""
+        speed, cycle_duration = map(float, task)
         if candidate.sheet is not None:
-            predicted = self._atlas.predict(candidate.sheet, float(task[0]), float(task[1]))
+            predicted = self._atlas.predict(candidate.sheet, speed, cycle_duration)
             if predicted is not None:
-                tries = (self._atlas.barrier, QUICK, False), (STEADY_BARRIER, STEADY, True)
-                return predicted.cost, space.decode(predicted.point), tries
+                yield _Try(space.decode(predicted.point), predicted.cost, self._atlas.barrier, QUICK)
+            for node in self._atlas.nearest(candidate.sheet, speed, cycle_duration, NODES):
+                yield _Try(space.decode(node.point), node.cost, STEADY_BARRIER, STEADY)
+            return
         primal, bounds, rows = self._tensors.mean(candidate.gait)
         unit = max(self._problem.cost(primal, task), LEAST_COST)
-        tries = (STEADY_BARRIER, STEADY, False), (STEADY_BARRIER, STEADY, True)
-        return unit, space.split(primal, bounds, rows, unit), tries
+        yield _Try(space.split(primal, bounds, rows, unit), unit, MEAN_BARRIER, MEAN)
 
-    def _fallback(self, run: _Run, space: GaitSpace, start: Point, unit: float) -> Attempt:
-        for primal, bounds, rows in (space.join(start, unit), self._tensors.mean(run.candidate.gait)):
+    def _fallback(self, run: _Run, space: GaitSpace, first: _Try) -> Attempt:
+        for primal, bounds, rows in (space.join(first.start, first.unit), self._tensors.mean(run.candidate.gait)):
             answer = self._problem.ipopt(space, run.task, primal, bounds, rows)
             run.iterations += answer.iterations
             attempt = self._judged(run, answer.w, self._problem.cost(answer.w, run.task), answer.status, FALLBACK)
@@ -151,6 +155,14 @@ class Refiner:
             predict_ms=(run.ready - run.started) * 1e3,
             refine_ms=(time.perf_counter() - run.ready) * 1e3,
         )
+
+
+@dataclass(frozen=True)
+class _Try:
+    start: Point
+    unit: float  # the cost that is expected
+    barrier: float
+    limit: int
 
 
 @dataclass
