@@ -13,6 +13,6 @@ if "tiny_map" not in sys.modules:
     sys.modules["tiny_map"] = importlib.util.module_from_spec(_SPEC)
     _SPEC.loader.exec_module(sys.modules["tiny_map"])
 
-from tiny_map import artifact, parts, preferring, pristine  # noqa: E402
+from tiny_map import artifact, grown, parts, preferring, pristine  # noqa: E402
 
-__all__ = ["artifact", "parts", "preferring", "pristine"]
+__all__ = ["artifact", "grown", "parts", "preferring", "pristine"]

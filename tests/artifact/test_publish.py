@@ -44,10 +44,11 @@ def test_same_content_is_not_published_twice(tmp_path: Path, parts: Parts) -> No
     assert len(published(first.parent)) == 1
 
 
-@pytest.mark.parametrize("change", ["classifier", "metrics", "dataset", "feasible"])
+@pytest.mark.parametrize("change", ["classifier", "atlas", "metrics", "dataset", "feasible"])
 def test_changed_content_takes_the_next_version(tmp_path: Path, parts: Parts, preferring, change: str) -> None:
     changed = {
         "classifier": preferring("gallop"),
+        "atlas": replace(parts, atlas=parts.atlas.of([0])),
         "metrics": replace(parts, metrics={"accuracy": 0.5}),
         "dataset": replace(parts, dataset={"digest": "1" * 64}),
         "feasible": replace(parts, feasible=np.ones_like(parts.feasible)),
@@ -103,7 +104,7 @@ def test_bad_version_is_refused(tmp_path: Path, parts: Parts, version: str) -> N
 
 
 def test_unsound_parts_publish_nothing(tmp_path: Path, parts: Parts) -> None:
-    short = replace(parts, starts=parts.starts[:1], classes=parts.classes[:1])
+    short = replace(parts, starts=parts.starts[:1], classes=parts.classes[:1], atlas=parts.atlas.of([0]))
     with pytest.raises(PublishError, match=r"classifier\.onnx: probability must be finite with shape \(1, 1\)"):
         publish(tmp_path, short)
     assert list((tmp_path / "quickstart").iterdir()) == []
@@ -118,6 +119,27 @@ def test_starts_follow_the_classifier_whatever_their_order(tmp_path: Path, parts
 def test_classes_without_their_start_are_refused(parts: Parts, classes: tuple[str, ...]) -> None:
     with pytest.raises(PublishError, match=r"but there are starts for \['gallop', 'walking'\]"):
         replace(parts, classes=classes)
+
+
+def test_sheets_of_a_gait_that_the_map_does_not_have_are_refused(parts: Parts) -> None:
+    stray = replace(parts.atlas.sheets[0], gait=2)
+    with pytest.raises(PublishError, match=r"2 gaits, but the atlas has sheets of \[2\]"):
+        replace(parts, atlas=replace(parts.atlas, sheets=(stray,)))
+
+
+def test_nodes_outside_the_domain_are_not_published(tmp_path: Path, parts: Parts) -> None:
+    smaller = parts.feasible.copy()
+    smaller[0, 0] = False
+    with pytest.raises(
+        PublishError, match=r"atlas\.safetensors: walking has a node at \(0\.1 m/s, .* outside the map's"
+    ):
+        publish(tmp_path, replace(parts, feasible=smaller))
+
+
+def test_a_sheet_under_another_gait_is_not_published(tmp_path: Path, parts: Parts) -> None:
+    swapped = tuple(replace(sheet, gait=1 - sheet.gait) for sheet in parts.atlas.sheets)
+    with pytest.raises(PublishError, match=r"the pattern 0111/1101 of a sheet is not the gait gallop"):
+        publish(tmp_path, replace(parts, atlas=replace(parts.atlas, sheets=swapped)))
 
 
 def test_not_a_number_in_the_metrics_is_refused(tmp_path: Path, parts: Parts) -> None:
@@ -147,5 +169,5 @@ def test_a_disk_that_fills_leaves_nothing_behind(tmp_path: Path, parts: Parts, m
 def test_manifest_is_readable_json_with_the_scenario_whole(pristine: Path, parts: Parts) -> None:
     data = json.loads((pristine / "manifest.json").read_text(encoding="utf-8"))
     assert data["scenario"] == parts.problem.scenario.as_data()
-    assert data["format"] == 1
+    assert data["format"] == 2
     assert data["layout"]["duration_slice"] == [298, 302]

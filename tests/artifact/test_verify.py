@@ -13,11 +13,14 @@ from safetensors.numpy import load, save
 from gaitflow.artifact import Parts, verify
 from gaitflow.artifact.verify import inspect
 from gaitflow.problem import transcribe
-from gaitflow.runtime import ArtifactError, GaitMap
+from gaitflow.runtime import ArtifactError, GaitMap, refine
+from gaitflow.runtime.atlas import Atlas, atlas_bytes
 from gaitflow.runtime.files import entry_of
 from gaitflow.runtime.manifest import encode
 
-FILES = ["README.md", "classifier.onnx", "manifest.json", "problem.casadi", "warmstarts.safetensors"]
+FILES = [
+    "README.md", "atlas.safetensors", "classifier.onnx", "manifest.json", "problem.casadi", "warmstarts.safetensors",
+]  # fmt: skip
 
 
 def forge(artifact: Path, **fields: object) -> None:
@@ -174,8 +177,40 @@ def test_a_problem_that_is_no_function_is_found(artifact: Path) -> None:
     assert [finding.file for finding in verify(artifact)] == ["problem.casadi"]
 
 
-def test_a_start_that_does_not_plan_is_found(artifact: Path) -> None:
-    # All files are consistent, but the multipliers and motions are noise and the solver gets one iteration.
+@pytest.mark.parametrize(
+    ("name", "value", "fault"),
+    [
+        ("0.costs", np.nan, "0.costs holds a value that is not finite"),
+        ("0.costs", -1.0, "holds a cost that is not positive"),
+        ("1.places", 1000, "or one off the 21 by 13 tasks"),
+        ("1.lower", 1e9, "a bound below that lies above"),
+        ("1.pattern", 1, "the pattern 1111/1111 of a sheet is not the gait gallop"),
+        ("speeds", 0.1, "speeds must rise"),
+    ],
+)
+def test_a_forged_atlas_is_found(artifact: Path, name: str, value: float, fault: str) -> None:
+    path = artifact / "atlas.safetensors"
+    tensors = load(path.read_bytes())
+    tensors[name][...] = value
+    path.write_bytes(save(tensors))
+    forge(artifact)
+    (finding,) = verify(artifact)
+    assert finding.file == "atlas.safetensors"
+    assert fault in finding.fault
+
+
+def test_a_map_of_before_there_were_atlases_is_sound(artifact: Path) -> None:
+    """Format 1, as this program's predecessor published it."""
+    (artifact / "atlas.safetensors").unlink()
+    forge(artifact, format=1, files=dict.fromkeys(name for name in FILES if not name.startswith(("atlas", "manifest"))))
+    assert verify(artifact) == []
+
+
+def test_a_start_that_does_not_plan_is_found(artifact: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # All files are consistent, but the motions are noise, the fast method is lost and the solver gets one iteration.
+    monkeypatch.setattr(refine, "QUICK", 1)
+    monkeypatch.setattr(refine, "STEADY", 1)
+    (artifact / "atlas.safetensors").write_bytes(atlas_bytes(Atlas.empty()))
     path = artifact / "warmstarts.safetensors"
     tensors = load(path.read_bytes())
     low, high = np.maximum(tensors["lower_bounds"], -1), np.minimum(tensors["upper_bounds"], 1)
