@@ -7,6 +7,7 @@ so better local optima spread, too.
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
@@ -19,7 +20,8 @@ from gaitflow.problem import GaitProblem
 from gaitflow.runtime.interior_point import InteriorPoint, Outcome
 from gaitflow.runtime.point import GaitSpace, Point
 from gaitflow.runtime.program import Program, derivatives
-from gaitflow.solve.solution import Solution
+from gaitflow.solve.nlp import FixedGaitSolver, Start
+from gaitflow.solve.solution import Multipliers, Solution
 from gaitflow.trajectory import Array
 
 REFINE = 4  # nodes per step of the map's grid
@@ -101,6 +103,7 @@ class _Growth:
             InteriorPoint(program, GaitSpace(each.lower, each.upper, each.lower_rows, each.upper_rows))
             for each in bounds
         )
+        self.ipopt = FixedGaitSolver(self.problem, self.problem.scenario.strategy.solve_time_limit)
         self.nodes: list[dict[Place, Node]] = [{} for _ in self.patterns]
         self.best: dict[Place, float] = {}
 
@@ -162,16 +165,25 @@ class _Growth:
         if not near.converged:
             return None
         optimum = method.follow(task, near.point, start.cost, BARRIER, ITERATIONS)
-        if not optimum.converged or optimum.cost <= 0 or not self._feasible(gait, task, optimum):
+        cost = optimum.cost
+        if not optimum.converged or not self._feasible(gait, task, optimum):
+            cost = self._by_ipopt(gait, task, near.point, start.cost)
+        if not cost > 0:
             return None
-        scaled = _scaled(near.point, start.cost / optimum.cost)
-        centred = method.centre(task, scaled, optimum.cost, BARRIER, ITERATIONS)
-        return Node(optimum.cost, centred.point) if centred.converged else None
+        centred = method.centre(task, _scaled(near.point, start.cost / cost), cost, BARRIER, ITERATIONS)
+        return Node(cost, centred.point) if centred.converged else None
 
     def _feasible(self, gait: int, task: Array, optimum: Outcome) -> bool:
         speed, duration = float(task[0]), float(task[1])
         trajectory = self.problem.layout.unpack(optimum.w, duration)
         return check.worst(self.scenario, trajectory, speed, duration, self.patterns[gait].text) <= check.FEASIBLE
+
+    def _by_ipopt(self, gait: int, task: Array, start: Point, cost: float) -> float:
+        """The cost of the optimum that IPOPT finds from a point on the central path; NaN when it finds none."""
+        primal, bounds, rows = self.methods[gait].space.join(start, cost)
+        from_there = Start("central path", primal, Multipliers(bounds, rows))
+        found = self.ipopt.solve(self.patterns[gait], float(task[0]), float(task[1]), from_there)
+        return found.cost / self.problem.cost_scale if found.feasible else math.nan
 
 
 def _scaled(point: Point, factor: float) -> Point:
