@@ -1,4 +1,4 @@
-"""The stages of a map, each from files to files: solve -> label -> train, atlas -> publish -> report.
+"""The stages of a map, each from files to files: solve -> label -> atlas -> train -> publish -> report.
 
 Pure functions of the packages below do the work; here they get their files, and only here.
 """
@@ -21,8 +21,10 @@ if TYPE_CHECKING:
 
     from gaitflow.execute.profile import Profile
     from gaitflow.execute.run import RunState
+    from gaitflow.problem import GaitProblem
     from gaitflow.report.claims import Claim
     from gaitflow.runtime import Plan
+    from gaitflow.runtime.atlas import Atlas
 
 GUIDED_REMARK = (
     "the search was guided: a pick counts as infeasible where it was not solved at that task, be it for want of a "
@@ -109,12 +111,17 @@ def train(workspace: Workspace, scenario: Scenario, constant: bool) -> dict[str,
     """Train and judge the classifiers; writes the winner and how all of them did."""
     import pandas as pd
 
+    from gaitflow.learn.nodes import node_labels
     from gaitflow.learn.train import train as train_all
+    from gaitflow.problem import transcribe
 
     run = workspace.run(scenario)
     _need(run.labels, f"gaitflow label {scenario.name}")
+    _need(run.predictors, f"gaitflow atlas {scenario.name}")
     labels, costs = pd.read_parquet(run.labels), pd.read_parquet(run.gait_costs)
-    training = train_all(labels, costs, scenario.learning, constant)
+    known, gaits = _atlas_of(run, transcribe(scenario))
+    nodes = node_labels(known, scenario.learning.tie_tolerance)
+    training = train_all(labels, costs, scenario.learning, constant, (nodes, gaits))
     data = training.as_data()
     if scenario.strategy.name == "guided":
         data["remarks"] = [*data["remarks"], GUIDED_REMARK]
@@ -163,14 +170,13 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None) -> Pu
     """Publish the dataset and the map under one version; the same content is not published twice."""
     import pandas as pd
 
-    from gaitflow.artifact import Parts, runtime_layout
+    from gaitflow.artifact import Parts
     from gaitflow.artifact import publish as publish_map
     from gaitflow.dataset import load_solutions
     from gaitflow.dataset.provenance import made_by
     from gaitflow.dataset.publish import publish_dataset
     from gaitflow.learn.warmstarts import region_means
     from gaitflow.problem import transcribe
-    from gaitflow.runtime.atlas import parse_atlas
     from gaitflow.solve.nlp import IPOPT_WARM
 
     run = workspace.run(scenario)
@@ -182,8 +188,7 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None) -> Pu
     solutions = load_solutions(run.solutions)
     starts = region_means(labels, solutions, problem.layout.pack)
     predictors = read_json(run.predictors)
-    content, gaits = run.atlas.read_bytes(), predictors["gaits"]
-    known = parse_atlas(content, len(gaits), runtime_layout(problem), str(run.atlas))
+    known, gaits = _atlas_of(run, problem)
     parts = Parts(
         problem=problem,
         feasible=_feasible(labels).to_numpy(dtype=bool),
@@ -338,6 +343,15 @@ def write_json(path: Path, data: Any) -> None:
 def read_json(path: Path) -> Any:
     """Read a JSON file of ours."""
     return json.loads(path.read_bytes())
+
+
+def _atlas_of(run: Run, problem: GaitProblem) -> tuple[Atlas, list[str]]:
+    """The atlas of a run, and the names of its gaits."""
+    from gaitflow.artifact import runtime_layout
+    from gaitflow.runtime.atlas import parse_atlas
+
+    gaits: list[str] = read_json(run.predictors)["gaits"]
+    return parse_atlas(run.atlas.read_bytes(), len(gaits), runtime_layout(problem), str(run.atlas)), gaits
 
 
 def _feasible(labels: pd.DataFrame) -> pd.DataFrame:

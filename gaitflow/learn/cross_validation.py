@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from sklearn.base import clone
-from sklearn.model_selection import GridSearchCV, StratifiedKFold
+from sklearn.model_selection import GridSearchCV, GroupKFold, StratifiedKFold
 
 from gaitflow.learn.classifier import (
     CannotTrain,
@@ -102,3 +103,33 @@ def cross_validate(
         log_loss_raw=log_loss(found, y[tested]),
         log_loss=log_loss(found, y[tested], temperature),
     )
+
+
+def refit(
+    judged: GaitClassifier,
+    grid: tuple[Floats, Integers],
+    nodes: tuple[Floats, Integers],
+    cells: Integers,
+    folds: int,
+) -> tuple[GaitClassifier, float]:
+    """The classifier with the same settings fitted to the grid's tasks and the nodes, and its calibrated log loss.
+
+    (tasks [n, 2], y [n]) of each. It is calibrated on folds of whole `cells` [m] of the grid, each predicted by a fit
+    to the grid and the nodes of the other cells: a node's neighbours would tell its label. With fewer cells than two
+    the temperature stays.
+    """
+    (tasks, y), (more, more_y) = grid, nodes
+    everything, labels = np.concatenate([tasks, more]), np.concatenate([y, more_y])
+    classes, temperature, loss = len(judged.classes), judged.temperature, math.nan
+    if len(np.unique(cells)) >= max(2, folds):
+        found, true = [], []
+        for fit, test in GroupKFold(max(2, folds)).split(more, more_y, cells):
+            fitted_y = np.concatenate([y, more_y[fit]])
+            pipeline = clone(judged.pipeline).fit(np.concatenate([tasks, more[fit]]), fitted_y)
+            found.append(scores(pipeline, more[test], frequencies_of(fitted_y, classes)))
+            true.append(more_y[test])
+        temperature = fit_temperature(np.concatenate(found), np.concatenate(true))
+        loss = log_loss(np.concatenate(found), np.concatenate(true), temperature)
+    pipeline = clone(judged.pipeline).fit(everything, labels)
+    fitted = GaitClassifier(judged.method, judged.classes, pipeline, frequencies_of(labels, classes), temperature)
+    return fitted, loss

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -13,11 +14,12 @@ from sklearn.metrics import confusion_matrix
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 
-from gaitflow.learn.classifier import CannotTrain, Floats, GaitClassifier
-from gaitflow.learn.cross_validation import CrossValidated, cross_validate, stratified_splits
+from gaitflow.learn.classifier import CannotTrain, Floats, GaitClassifier, Integers
+from gaitflow.learn.cross_validation import CrossValidated, cross_validate, refit, stratified_splits
 from gaitflow.learn.evaluate import RULE, Quality, choose, judge
 from gaitflow.learn.export_onnx import to_onnx_bytes
 from gaitflow.learn.methods import methods
+from gaitflow.learn.nodes import NodeLabels
 from gaitflow.scenario import Learning
 
 CONSTANT = "constant"
@@ -37,6 +39,16 @@ class Competitor:
 
 
 @dataclass(frozen=True)
+class Published:
+    """The winner as it is published, fitted to the nodes of an atlas, too; without any as it was judged."""
+
+    nodes: int
+    temperature: float
+    log_loss: float  # calibrated, on folds of whole cells of the grid
+    held_out: Quality
+
+
+@dataclass(frozen=True)
 class Training:
     """The published classifier and how it was chosen.
 
@@ -52,6 +64,7 @@ class Training:
     tasks_per_gait: tuple[int, ...]
     folds: int
     remarks: tuple[str, ...]
+    published: Published
 
     @property
     def winner(self) -> Competitor:
@@ -64,12 +77,19 @@ class Training:
         return _plain(data | {"rule": RULE})
 
 
-def train(labels: pd.DataFrame, costs: pd.DataFrame, learning: Learning, constant: bool = False) -> Training:
+def train(
+    labels: pd.DataFrame,
+    costs: pd.DataFrame,
+    learning: Learning,
+    constant: bool = False,
+    nodes: tuple[NodeLabels, Sequence[str]] | None = None,
+) -> Training:
     """Train all methods on the grid tasks that have a label and choose one by RULE; held-out tasks only report.
 
-    `labels` and `costs` are the frames of `gaitflow.dataset.labels`. Equal arguments give equal bytes. Raises
-    CannotTrain when no grid task is feasible, when all have one gait (unless `constant`: then the map is that gait),
-    or when no gait has two tasks.
+    `labels` and `costs` are the frames of `gaitflow.dataset.labels`. The winner is then fitted once more, to the
+    `nodes` of an atlas and its gaits' names as well: they take no part in choosing. Equal arguments give equal bytes.
+    Raises CannotTrain when no grid task is feasible, when all have one gait (unless `constant`: then the map is that
+    gait), or when no gait has two tasks.
     """
     solved = labels[labels["status"] == "solved"]
     grid, held_out = solved[solved["split"] == "grid"], solved[solved["split"] == "held_out"]
@@ -96,17 +116,30 @@ def train(labels: pd.DataFrame, costs: pd.DataFrame, learning: Learning, constan
     competitors = tuple(_judged(one, grid, held_out, costs) for one in found)
     chosen = choose({row.method: row.cross_validation for row in competitors}, learning.tie_tolerance)
     best = next(one for one in found if one.classifier.method == chosen)
+    final, log_loss_final, used = best.classifier, best.log_loss, 0
+    if nodes is not None:
+        more, more_y, cells = _of_classes(*nodes, classes)
+        used = len(more)
+        if used:
+            final, log_loss_final = refit(best.classifier, (tasks, y), (more, more_y), cells, len(splits))
     confusion = confusion_matrix(y[best.tested], best.probabilities.argmax(axis=1), labels=range(len(classes)))
     return Training(
         classes=classes,
         method=chosen,
-        onnx=to_onnx_bytes(best.classifier),
+        onnx=to_onnx_bytes(final),
         competitors=competitors,
         confusion=tuple(tuple(int(count) for count in row) for row in confusion),
         tasks_per_gait=tuple(int(count) for count in np.bincount(y)),
         folds=len(splits),
         remarks=tuple(remarks),
+        published=Published(used, final.temperature, log_loss_final, _held_out_quality(final, held_out, costs)),
     )
+
+
+def _of_classes(nodes: NodeLabels, gaits: Sequence[str], classes: tuple[str, ...]) -> tuple[Floats, Integers, Integers]:
+    """Tasks, places in `classes` and cells of the nodes whose gait is one of them."""
+    place = np.array([classes.index(gait) if gait in classes else -1 for gait in gaits], dtype=np.int64)[nodes.gaits]
+    return nodes.tasks[place >= 0], place[place >= 0], nodes.cells[place >= 0]
 
 
 def _judged(one: CrossValidated, grid: pd.DataFrame, held_out: pd.DataFrame, costs: pd.DataFrame) -> Competitor:
@@ -138,6 +171,7 @@ def _constant_map(
         tasks_per_gait=(len(grid),),
         folds=0,
         remarks=("one gait at every feasible task of the grid: nothing was learnt, and nothing cross-validated",),
+        published=Published(0, 1.0, 0.0, held_out_quality),
     )
 
 

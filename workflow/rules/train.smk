@@ -2,6 +2,8 @@ rule train:
     input:
         "runs/{scenario}/labels.parquet",
         "runs/{scenario}/gait_costs.parquet",
+        "runs/{scenario}/learning/atlas.safetensors",
+        "runs/{scenario}/learning/predictors.json",
         part("learning"),
     output:
         "runs/{scenario}/learning/learning.json",
