@@ -10,8 +10,8 @@ from gaitflow.cli_errors import bad_input, print_json
 from gaitflow.workspace import Workspace
 
 BENCHES = (
-    "certificate", "discovery", "faults", "map", "minlp", "overhead", "phases", "ranking", "scaling", "select",
-    "speedup", "stances", "store", "table1", "table2",
+    "certificate", "discovery", "faults", "map", "minlp", "online", "overhead", "phases", "ranking", "scaling",
+    "select", "speedup", "stances", "store", "table1", "table2",
 )  # fmt: skip
 PIPED_WIDTH = 160  # a table in a file need not fit a terminal
 DEFAULT_SCENARIO = "half-cheetah-flat-effort"
@@ -42,6 +42,7 @@ def bench(
     scaling    CPU time of one pattern by legs, phases and knots; of two robots, whatever SCENARIO says
     map        what making a map took, every label checked again (after `gaitflow run`)
     select     loading a map and asking it
+    online     planning from a map: latency, consistency, and the paper's way beside it; draws a figure, too
     stances    what one stance per leg costs (needs the runs of SCENARIO and SCENARIO-free)
     phases     what more phases gain (SCENARIO is S-eight-phases; needs its run and that of S)
     ranking    the gaits of each task by cost and what they ask of the robot (after `gaitflow solve`)
@@ -57,14 +58,22 @@ def bench(
     from gaitflow.bench.document import summary_table, write
     from gaitflow.bench.measure import measure
     from gaitflow.execute.profile import load_profile
+    from gaitflow.files import atomic_write
 
     with bad_input():
         cluster = None if profile is None else load_profile(profile)
         done = measure(name, workspace, workspace.scenario(scenario), tasks, seed, cluster)
-        path = write(done, workspace.results)
+        written = [write(done, workspace.results)]
+        if name == "online":
+            from gaitflow.report.latency import draw_latency
+            from gaitflow.report.report import png_of
+
+            written.append(written[0].with_suffix(".png"))
+            atomic_write(written[1], png_of(draw_latency(done)))
     if as_json:
         return print_json(done)
     console = Console()
     console = console if console.is_terminal else Console(width=PIPED_WIDTH)
     console.print(summary_table(done))
-    click.echo(path)
+    for path in written:
+        click.echo(path)

@@ -108,7 +108,8 @@ def _cell(value: Any) -> str:
         case float():
             return f"{value:.4g}"
         case Mapping():
-            return ", ".join(f"{key} {_cell(inner)}" for key, inner in value.items())
+            between = "\n" if any(isinstance(inner, Mapping) for inner in value.values()) else ", "
+            return between.join(f"{key} {_cell(inner)}" for key, inner in value.items())
         case list():
             return ", ".join(_cell(inner) for inner in value)
     return str(value)

@@ -16,6 +16,7 @@ from gaitflow.bench import (
     faults,
     map,
     minlp,
+    online,
     overhead,
     phases,
     ranking,
@@ -65,6 +66,9 @@ def measure(
         "faults": partial(faults.faults, scenario, tasks or 12, 20, seed),
         "map": partial(_map, workspace, scenario),
         "minlp": lambda: minlp.run(scenario, seed=seed, runs=runs, **own),
+        "online": lambda: online.run(
+            scenario, resolve(workspace.models / scenario.name), seed=seed, runs=runs, **own
+        ),
         "overhead": lambda: overhead.run(scenario, runs=runs, **own),
         "phases": partial(_phases, workspace, scenario),
         "ranking": lambda: ranking.run(scenario, load_solutions(workspace.run(scenario).solutions)),

@@ -74,3 +74,10 @@ def test_table_of_plain_numbers_has_a_line_each() -> None:
     text = printed(document("stances", "quickstart", [], {"tasks": 84, "winners": {"F 01 / H 10": 3}, "worst": None}))
     for part in ("stances quickstart", "tasks", "84", "F 01 / H 10 3", "N/A"):
         assert part in text
+
+
+def test_objects_of_objects_have_a_line_each_in_their_cell() -> None:
+    targets = {"tasks": {"found": 3, "meets": False}, "fast_rate": {"found": 0.5, "meets": True}}
+    lines = printed(document("online", "quickstart", [], {"tasks": 3, "targets": targets})).splitlines()
+    assert any("targets" in line and "tasks found 3, meets False" in line and "fast_rate" not in line for line in lines)
+    assert any("fast_rate found 0.5, meets True" in line for line in lines)
