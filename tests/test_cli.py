@@ -50,9 +50,10 @@ def call(root: Path, *arguments: str) -> Result:
 def solved(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """A workspace in which the small scenario went through all stages."""
     root = make_root(tmp_path_factory.mktemp("workspace"))
-    for command in ("solve", "label", "train", "publish", "report"):
+    for command in ("solve", "label", "atlas", "train", "publish", "report"):
         done = call(root, command, "small")
         assert done.exit_code == 0, f"{command}: {done.output}"
+        (root / f"{command}.txt").write_text(done.stdout)
     yield root
 
 
@@ -68,6 +69,25 @@ def test_the_stages_publish_a_map_that_answers_and_verifies(solved: Path) -> Non
     assert set(plan) == set(stages.PLAN_KEYS)
     assert plan["feasible"] and plan["violation"] <= 1e-6
     assert sum(plan["durations"]) == pytest.approx(0.6)
+    assert plan["path"] == "fast" and plan["in_domain"] and 0 < plan["distance"] < 0.71
+    assert 0 < plan["select_ms"] + plan["predict_ms"] + plan["refine_ms"] <= plan["time_ms"]
+
+
+def test_the_atlas_tells_its_nodes_and_how_the_predictors_did(solved: Path) -> None:
+    before = (solved / "runs/small/learning/atlas.safetensors").read_bytes()
+    done = call(solved, "atlas", "small", "--json")
+    data = json.loads(done.stdout)
+    assert done.exit_code == 0
+    assert (solved / "runs/small/learning/atlas.safetensors").read_bytes() == before, "equal datasets, equal atlases"
+    assert data == json.loads((solved / "runs/small/learning/predictors.json").read_text())
+    assert set(data) == {"gaits", "nodes", "solves", "modes", "predictors"}
+    assert data["solves"] >= sum(data["nodes"].values()) > 6
+    assert {row["predictor"] for row in data["predictors"]} == {"nodes", "mean", "cubic", "kernel"}
+    text = (solved / "atlas.txt").read_text()
+    for pattern, nodes in data["nodes"].items():
+        assert f"{nodes:6d} nodes  {pattern}\n" in text
+    assert text.count(" iterations from ") == len(data["predictors"])
+    assert f"{data['solves']} solves, {data['modes']} modes published" in text
 
 
 def test_labels_are_printed_as_published(solved: Path) -> None:
@@ -156,7 +176,7 @@ def test_a_bad_scenario_is_one_clear_line_and_exit_2(
     tmp_path: Path, changes: dict[str, Any], field: str, words: str
 ) -> None:
     root = make_root(tmp_path, **changes)
-    for command in ("validate", "solve", "status", "label", "train", "publish", "report", "run"):
+    for command in ("validate", "solve", "status", "label", "atlas", "train", "publish", "report", "run"):
         done = call(root, command, "small")
         assert done.exit_code == 2
         assert "small.yaml" in done.stderr and field in done.stderr and words in done.stderr
@@ -179,7 +199,8 @@ def test_an_unknown_scenario_lists_those_there_are(tmp_path: Path) -> None:
 
 def test_a_missing_stage_names_the_command(tmp_path: Path) -> None:
     root = make_root(tmp_path)
-    for command, before in (("label", "solve"), ("train", "label"), ("publish", "train"), ("report", "label")):
+    before_each = {"label": "solve", "atlas": "label", "train": "label", "publish": "train", "report": "label"}
+    for command, before in before_each.items():
         done = call(root, command, "small")
         assert done.exit_code == 1 and f"gaitflow {before} small" in done.stderr
 
@@ -192,6 +213,8 @@ def test_tasks_without_any_gait_cannot_be_learnt(tmp_path: Path) -> None:
     assert call(root, "solve", "small").exit_code == 0
     label = call(root, "label", "small")
     assert label.exit_code == 0 and "4  infeasible" in label.stdout
+    atlas = call(root, "atlas", "small", "--json")
+    assert atlas.exit_code == 0 and json.loads(atlas.stdout)["nodes"] == {}
     done = call(root, "train", "small", "--constant")
     assert done.exit_code == 1 and "none of the 4 tasks" in done.stderr
 
@@ -201,6 +224,7 @@ def test_one_gait_everywhere_is_published_only_when_asked_for(tmp_path: Path) ->
     root = make_root(tmp_path, strategy=strategy)
     assert call(root, "solve", "small").exit_code == 0
     assert call(root, "label", "small").exit_code == 0
+    assert call(root, "atlas", "small").exit_code == 0
     refused = call(root, "train", "small")
     assert refused.exit_code == 1 and "--constant" in refused.stderr and "'gallop'" in refused.stderr
     assert call(root, "train", "small", "--constant").exit_code == 0
@@ -241,7 +265,7 @@ def test_report_wants_a_scenario_or_claims(tmp_path: Path) -> None:
 
 def test_every_command_explains_itself_with_an_example() -> None:
     assert set(main.commands) == {
-        "bench", "cancel", "compact", "doctor", "label", "labels", "plan", "publish", "report", "robot", "run", "show",
+        "atlas", "bench", "cancel", "compact", "doctor", "label", "labels", "plan", "publish", "report", "robot", "run", "show",
         "solve", "status", "submit", "train", "validate", "verify",
     }  # fmt: skip
     for name in main.commands:
@@ -252,7 +276,7 @@ def test_every_command_explains_itself_with_an_example() -> None:
 def test_the_workflow_calls_only_commands_that_there_are() -> None:
     rules = "".join(path.read_text() for path in (REPO / "workflow/rules").glob("*.smk"))
     called = {line.split()[1] for line in rules.replace('"', " ").splitlines() if line.strip().startswith("gaitflow ")}
-    assert called == {"solve", "label", "train", "publish", "report"}
+    assert called == {"solve", "label", "atlas", "train", "publish", "report"}
     assert called <= set(main.commands)
 
 

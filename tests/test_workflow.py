@@ -12,12 +12,14 @@ from pathlib import Path
 
 import pytest
 
-STAGES = ("solve", "label", "train", "publish", "report")
+STAGES = ("solve", "label", "atlas", "train", "publish", "report")
 # In the order the stages write them.
 RESULTS = (
     "solutions.parquet",
     "labels.parquet",
     "gait_costs.parquet",
+    "learning/atlas.safetensors",
+    "learning/predictors.json",
     "learning/learning.json",
     "learning/classifier.onnx",
     "published.json",
@@ -83,7 +85,7 @@ def test_each_stage_is_one_gaitflow_command(workspace: Path) -> None:
 
 def test_targets_stop_at_their_stage(workspace: Path) -> None:
     assert planned(workspace, "--", "datasets") == ["solve", "label"]
-    assert planned(workspace, "--", "models") == ["solve", "label", "train", "publish"]
+    assert planned(workspace, "--", "models") == ["solve", "label", "atlas", "train", "publish"]
 
 
 def test_finished_run_is_left_alone_when_files_are_only_touched(finished: Path) -> None:
@@ -100,7 +102,7 @@ def test_learning_settings_rerun_training_and_what_follows(finished: Path) -> No
 
 def test_tie_tolerance_reruns_labels_too(finished: Path) -> None:
     edit(finished / "configs" / "scenarios" / "quickstart.yaml", "learning: {", "learning: {tie_tolerance: 0.01, ")
-    assert planned(finished) == ["label", "train", "publish", "report"]
+    assert planned(finished) == ["label", "atlas", "train", "publish", "report"]
 
 
 def test_changed_robot_reruns_everything(finished: Path) -> None:

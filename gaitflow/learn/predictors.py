@@ -30,7 +30,10 @@ Predictor = Callable[[Array], Array]  # tasks [m, 2] in steps of the nodes' axes
 
 @dataclass(frozen=True)
 class Judgement:
-    """A row of the table: how a predictor with so many modes did on `tasks` tasks that are no nodes."""
+    """A row of the table: how a predictor with so many modes did on `tasks` tasks that are no nodes.
+
+    Without any task, of a grid of one task for instance, all do alike.
+    """
 
     predictor: str
     modes: int
@@ -186,5 +189,5 @@ def _judge(
             outcome = method.follow(np.array([speed, duration]), start, predicted.cost, BARRIER, LIMIT)
             iterations.append((outcome.iterations if outcome.converged else LIMIT, outcome.converged))
     counts = np.array(iterations, dtype=float).reshape(-1, 2)
-    mean = float(counts[:, 0].mean()) if len(counts) else float("inf")
+    mean = float(counts[:, 0].mean()) if len(counts) else float(LIMIT)
     return Judgement(predictor, modes, len(counts), mean, int(counts[:, 1].sum()))
