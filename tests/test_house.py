@@ -101,8 +101,10 @@ def test_base_install_is_what_the_thin_modules_import(checkout: Path, project: d
     base = _names(project[""])
     thin = {name: found for name, found in _imports_of_package(checkout).items() if name.startswith(THIN)}
     assert thin
+    planning = {"runtime/problem.py": {"casadi", "qdldl", "scipy"}, "runtime/program.py": {"casadi"}}
+    planning["runtime/kkt.py"] = {"qdldl", "scipy"}
     for name, found in thin.items():
-        allowed = base | ({"casadi"} if name == "runtime/refine.py" else set())
+        allowed = base | planning.get(name, set())
         assert found <= allowed, f"gaitflow/{name} imports {sorted(found - allowed)}, not in the base install"
 
 

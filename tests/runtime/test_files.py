@@ -17,11 +17,11 @@ def test_a_file_over_the_limit_is_refused_unread(tmp_path: Path) -> None:
         read_limited(path, 1000)
 
 
-@pytest.mark.parametrize("name", ["manifest.json", "classifier.onnx", "warmstarts.safetensors"])
+@pytest.mark.parametrize("name", ["manifest.json", "classifier.onnx", "warmstarts.safetensors", "atlas.safetensors"])
 def test_an_oversized_file_of_an_artifact_is_refused_unread(artifact: Path, name: str) -> None:
     os.truncate(artifact / name, LIMITS[name] + (1 << 40))
     with pytest.raises(ArtifactError, match=rf"{name}: \d+ bytes; this file may have at most"):
-        GaitMap.load(artifact)
+        GaitMap.load(artifact).plan(0.9, 0.6)
 
 
 def test_links_and_pipes_are_refused(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ import math
 import shutil
 import threading
 from collections.abc import Callable
-from dataclasses import FrozenInstanceError
+from dataclasses import FrozenInstanceError, replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -48,6 +48,22 @@ def test_a_damaged_file_is_named_on_load(artifact: Path, name: str, damage: str)
         (artifact / name).write_bytes(content[: -3 if damage == "truncated" else None])
     with pytest.raises(ArtifactError, match=name):
         GaitMap.load(artifact)
+
+
+@pytest.mark.parametrize("damage", ["flipped", "truncated", "missing"])
+def test_a_damaged_atlas_is_named_when_a_start_is_asked_for(artifact: Path, damage: str) -> None:
+    content = bytearray((artifact / "atlas.safetensors").read_bytes())
+    (artifact / "atlas.safetensors").unlink()
+    if damage == "flipped":
+        content[len(content) // 3] ^= 16
+    if damage != "missing":
+        (artifact / "atlas.safetensors").write_bytes(content[: -3 if damage == "truncated" else None])
+    gait_map = GaitMap.load(artifact)
+    choice = gait_map.select(1.3, 0.6)
+    assert choice.gait == "gallop"
+    for ask in (lambda: choice.warm_start, lambda: gait_map.plan(1.3, 0.6)):
+        with pytest.raises(ArtifactError, match=r"atlas\.safetensors: "):
+            ask()
 
 
 def test_selecting_never_opens_the_problem(artifact: Path) -> None:
@@ -95,8 +111,34 @@ def test_any_real_number_is_taken(gait_map: GaitMap, number: object) -> None:
     assert gait_map.select(number, number) == gait_map.select(1.0, 1.0)
 
 
-def test_warm_start_is_the_region_unpacked_for_the_cycle(gait_map: GaitMap, parts: Parts) -> None:
-    start = gait_map.select(1.3, 0.8).warm_start
+def test_warm_start_is_much_nearer_the_optimum_than_the_mean(gait_map: GaitMap, parts: Parts) -> None:
+    for speed, cycle in ((0.55, 0.63), (1.13, 0.85), (1.63, 0.52)):
+        start, plan = gait_map.select(speed, cycle).warm_start, gait_map.plan(speed, cycle)
+        assert (start.gait, start.pattern) == (plan.gait, plan.pattern)
+        expected = parts.problem.layout.unpack(start.primal, cycle)
+        np.testing.assert_allclose(start.base, expected.base)
+        np.testing.assert_allclose(start.forces, expected.forces)
+        mean = gait_map.mean_start(plan.gait, cycle)
+        assert np.abs(start.base - plan.base).max() < 0.25 * np.abs(mean.base - plan.base).max()
+        assert np.abs(start.durations - plan.durations).max() < 0.05 * cycle
+        assert start.multipliers_bounds.shape == start.primal.shape
+        assert start.multipliers_rows.shape == (parts.problem.ng,)
+
+
+def test_warm_start_of_a_gait_without_nodes_there_is_its_regions_mean(parts: Parts, tmp_path: Path) -> None:
+    bare = GaitMap.load(publish(tmp_path, replace(parts, atlas=parts.atlas.of([0]))))
+    known, unknown = bare.select(0.3, 0.6), bare.select(1.3, 0.8)
+    assert not np.array_equal(known.warm_start.primal, bare.mean_start("walking", 0.6).primal)
+    np.testing.assert_array_equal(unknown.warm_start.primal, bare.mean_start("gallop", 0.8).primal)
+
+
+def test_mean_start_of_a_gait_that_there_is_not(gait_map: GaitMap) -> None:
+    with pytest.raises(ValueError, match="gait = 'trot': the map has walking, gallop"):
+        gait_map.mean_start("trot", 0.6)
+
+
+def test_mean_start_is_the_region_unpacked_for_the_cycle(gait_map: GaitMap, parts: Parts) -> None:
+    start = gait_map.mean_start("gallop", 0.8)
     region, layout = parts.starts[1], parts.problem.layout
     expected = layout.unpack(region.primal, 0.8)
     assert (start.gait, start.pattern) == (region.gait, region.pattern)

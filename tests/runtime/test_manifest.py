@@ -33,15 +33,24 @@ def test_no_flipped_bit_passes(pristine: Path) -> None:
 def test_a_newer_format_is_refused_by_name(artifact: Path, data: dict) -> None:
     path = artifact / "manifest.json"
     # Of a newer format nothing is known but its number: neither its fields nor how it is digested.
-    path.write_text(json.dumps({"format": 2, "all": "else", "may": "differ"}), encoding="utf-8")
-    with pytest.raises(ArtifactError, match=r"has format 2, this gaitflow reads format 1: update gaitflow"):
+    path.write_text(json.dumps({"format": 3, "all": "else", "may": "differ"}), encoding="utf-8")
+    with pytest.raises(ArtifactError, match=r"has format 3, this gaitflow reads format 1 to 2: update gaitflow"):
         GaitMap.load(artifact)
 
 
-@pytest.mark.parametrize("number", [0, -1, 1.0, True, "1", None])
+@pytest.mark.parametrize("number", [0, -1, 1.0, 2.0, True, "1", None])
 def test_no_other_format_is_guessed(data: dict, number: object) -> None:
-    with pytest.raises(ArtifactError, match="this gaitflow reads format 1"):
+    with pytest.raises(ArtifactError, match="this gaitflow reads format 1 to 2"):
         parse_manifest(encode(data | {"format": number}), "m")
+
+
+def test_the_older_format_lists_no_atlas_and_the_newer_one_must(data: dict) -> None:
+    with pytest.raises(ArtifactError, match=r"m\.files: unknown field 'atlas\.safetensors'"):
+        parse_manifest(encode(data | {"format": 1}), "m")
+    del data["files"]["atlas.safetensors"]
+    assert set(parse_manifest(encode(data | {"format": 1}), "m").files) == set(data["files"])
+    with pytest.raises(ArtifactError, match=r"m\.files: missing field 'atlas\.safetensors'"):
+        parse_manifest(encode(data), "m")
 
 
 @pytest.mark.parametrize(
@@ -62,7 +71,7 @@ def test_an_edited_manifest_is_refused(data: dict) -> None:
 def test_a_field_given_twice_is_refused(pristine: Path) -> None:
     content = (pristine / "manifest.json").read_bytes()
     with pytest.raises(ArtifactError, match="SHA-256"):
-        parse_manifest(content.replace(b"{", b'{\n "format": 1,', 1), "m")
+        parse_manifest(content.replace(b"{", b'{\n "format": 2,', 1), "m")
 
 
 @pytest.mark.parametrize("name", ["../../etc/passwd", "/etc/passwd", "a/b.onnx", "..", "classifier.onnx/", "C:\\x", ""])

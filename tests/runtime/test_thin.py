@@ -22,7 +22,7 @@ def test_importing_the_runtime_loads_nothing_heavy() -> None:
     assert loaded & HEAVY == set()
 
 
-def test_answering_loads_nothing_heavy_and_planning_only_casadi(pristine: Path) -> None:
+def test_answering_loads_nothing_heavy_and_planning_only_solvers(pristine: Path) -> None:
     script = f"""
 import sys
 from gaitflow.runtime import GaitMap
@@ -34,14 +34,17 @@ assert gait_map.plan(speed=0.9, cycle_duration=0.6).feasible
 print(*sorted({HEAVY!r} & set(sys.modules)))
 """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, timeout=60)
-    assert done.stdout.split("\n")[:2] == ["", "casadi"]
+    assert done.stdout.split("\n")[:2] == ["", "casadi scipy"]
 
 
-def test_planning_without_casadi_says_what_to_install(artifact: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("missing", ["casadi", "qdldl", "scipy.sparse"])
+def test_planning_without_a_solver_says_what_to_install(
+    artifact: Path, monkeypatch: pytest.MonkeyPatch, missing: str
+) -> None:
     from gaitflow.runtime import GaitMap
 
-    monkeypatch.setitem(sys.modules, "casadi", None)
+    monkeypatch.setitem(sys.modules, missing, None)
     gait_map = GaitMap.load(artifact)
     assert gait_map.select(0.9, 0.6).gait == "gallop"
-    with pytest.raises(ImportError, match=r'pip install "gaitflow\[solve\]"'):
+    with pytest.raises(ImportError, match=rf'needs {missing}: pip install "gaitflow\[solve\]"'):
         gait_map.plan(0.9, 0.6)
