@@ -7,7 +7,6 @@ so better local optima spread, too.
 
 from __future__ import annotations
 
-import math
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
@@ -162,28 +161,35 @@ class _Growth:
         task = np.array([self.speeds[place[0]], self.durations[place[1]]])
         method = self.methods[gait]
         near = method.centre(task, start.point, start.cost, BARRIER, ITERATIONS)
-        if not near.converged:
+        if near.converged:
+            optimum = method.follow(task, near.point, start.cost, BARRIER, ITERATIONS)
+            found: Node | None = Node(optimum.cost, _scaled(near.point, start.cost / optimum.cost))
+            if not optimum.converged or not self._feasible(gait, task, optimum):
+                found = self._by_ipopt(gait, task, Node(start.cost, near.point))
+        elif self.best.get(place, np.inf) > COMPETITIVE * start.cost:  # worth more effort: nothing else is as cheap
+            found = self._by_ipopt(gait, task, start)
+        else:
             return None
-        optimum = method.follow(task, near.point, start.cost, BARRIER, ITERATIONS)
-        cost = optimum.cost
-        if not optimum.converged or not self._feasible(gait, task, optimum):
-            cost = self._by_ipopt(gait, task, near.point, start.cost)
-        if not cost > 0:
+        if found is None or found.cost <= 0:
             return None
-        centred = method.centre(task, _scaled(near.point, start.cost / cost), cost, BARRIER, ITERATIONS)
-        return Node(cost, centred.point) if centred.converged else None
+        centred = method.centre(task, found.point, found.cost, BARRIER, ITERATIONS)
+        return Node(found.cost, centred.point) if centred.converged else None
 
     def _feasible(self, gait: int, task: Array, optimum: Outcome) -> bool:
         speed, duration = float(task[0]), float(task[1])
         trajectory = self.problem.layout.unpack(optimum.w, duration)
         return check.worst(self.scenario, trajectory, speed, duration, self.patterns[gait].text) <= check.FEASIBLE
 
-    def _by_ipopt(self, gait: int, task: Array, start: Point, cost: float) -> float:
-        """The cost of the optimum that IPOPT finds from a point on the central path; NaN when it finds none."""
-        primal, bounds, rows = self.methods[gait].space.join(start, cost)
-        from_there = Start("central path", primal, Multipliers(bounds, rows))
-        found = self.ipopt.solve(self.patterns[gait], float(task[0]), float(task[1]), from_there)
-        return found.cost / self.problem.cost_scale if found.feasible else math.nan
+    def _by_ipopt(self, gait: int, task: Array, start: Node) -> Node | None:
+        """The optimum that IPOPT finds from a start."""
+        space = self.methods[gait].space
+        primal, bounds, rows = space.join(start.point, start.cost)
+        begin = Start("neighbour", primal, Multipliers(bounds, rows))
+        found = self.ipopt.solve(self.patterns[gait], float(task[0]), float(task[1]), begin)
+        if not found.feasible:
+            return None
+        cost = found.cost / self.problem.cost_scale
+        return Node(cost, space.split(found.w, found.multipliers.bounds, found.multipliers.rows, cost))
 
 
 def _scaled(point: Point, factor: float) -> Point:

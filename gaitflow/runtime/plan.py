@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from gaitflow.runtime.manifest import Gait
 from gaitflow.runtime.refine import Attempt, Candidate, Refiner
 from gaitflow.trajectory import Trajectory
+
+Refine = Callable[[Candidate, float, float], Attempt]
 
 
 @dataclass(frozen=True)
@@ -53,15 +55,20 @@ class Asked:
 
 
 def refine_ranked(refiner: Refiner, ranked: Sequence[tuple[Candidate, Gait, float]], asked: Asked) -> Plan:
-    """Refine the gaits (candidate, gait, probability) in order until one converges to a feasible motion."""
+    """Refine the gaits (candidate, gait, probability) in order until one converges to a feasible motion.
+
+    A certain gait is given to IPOPT when the fast method fails; one that may have no motion there is so only when all
+    others have failed.
+    """
     selected = time.perf_counter()
-    attempts: list[Attempt] = []
-    for candidate, _, _ in ranked:
-        attempts.append(refiner.solve(candidate, asked.speed, asked.cycle_duration))
-        if attempts[-1].refined:
+    attempts: list[tuple[int, Attempt]] = []
+    for place, refine in _order([candidate for candidate, _, _ in ranked], refiner):
+        attempts.append((place, refine(ranked[place][0], asked.speed, asked.cycle_duration)))
+        if attempts[-1][1].refined:
             break
-    best = min(range(len(attempts)), key=lambda n: (not attempts[n].refined, attempts[n].violation))
-    attempt, (_, gait, probability) = attempts[best], ranked[best]
+    best, attempt = min(attempts, key=lambda each: (not each[1].refined, each[1].violation))
+    _, gait, probability = ranked[best]
+    last = {place: done for place, done in attempts}
     return Plan(
         **vars(attempt.trajectory),
         gait=gait.name,
@@ -72,14 +79,24 @@ def refine_ranked(refiner: Refiner, ranked: Sequence[tuple[Candidate, Gait, floa
         cost=attempt.cost,
         feasible=attempt.feasible,
         violation=attempt.violation,
-        iterations=sum(each.iterations for each in attempts),
+        iterations=sum(done.iterations for _, done in attempts),
         path="failed" if not attempt.refined else f"next:{best}" if best else attempt.method,
-        tried=tuple((each[1].name, _outcome(done)) for each, done in zip(ranked, attempts, strict=False)),
+        tried=tuple((ranked[place][1].name, _outcome(last[place])) for place in sorted(last)),
         select_ms=(selected - asked.started) * 1e3,
-        predict_ms=sum(each.predict_ms for each in attempts),
-        refine_ms=sum(each.refine_ms for each in attempts),
+        predict_ms=sum(done.predict_ms for _, done in attempts),
+        refine_ms=sum(done.refine_ms for _, done in attempts),
         time_ms=(time.perf_counter() - asked.started) * 1e3,
     )
+
+
+def _order(candidates: Sequence[Candidate], refiner: Refiner) -> Iterator[tuple[int, Refine]]:
+    for place, candidate in enumerate(candidates):
+        yield place, refiner.fast
+        if candidate.certain:
+            yield place, refiner.fallback
+    for place, candidate in enumerate(candidates):
+        if not candidate.certain:
+            yield place, refiner.fallback
 
 
 def _outcome(attempt: Attempt) -> str:

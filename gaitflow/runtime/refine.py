@@ -63,10 +63,14 @@ class Attempt:
 
 @dataclass(frozen=True)
 class Candidate:
-    """Gait number `gait` of the map by a sheet of the atlas, or from the mean of its region when `sheet` is None."""
+    """Gait number `gait` of the map by a sheet of the atlas, or from the mean of its region when `sheet` is None.
+
+    `certain` when the sheet has nodes all around: then the gait should have a motion, and is worth any effort.
+    """
 
     gait: int
     sheet: int | None
+    certain: bool = True
 
 
 class Refiner:
@@ -81,10 +85,13 @@ class Refiner:
         self._tensors = tensors
         self._atlas = atlas
         self._program = Program(problem.derivatives)
-        self._methods: dict[Candidate, InteriorPoint] = {}
+        self._methods: dict[tuple[int, int | None], InteriorPoint] = {}
 
-    def solve(self, candidate: Candidate, speed: float, cycle_duration: float) -> Attempt:
-        """Solve for a task (m/s, s): fast from the prediction, else by IPOPT, at last from the mean of the region."""
+    def fast(self, candidate: Candidate, speed: float, cycle_duration: float) -> Attempt:
+        """Solve for a task (m/s, s) by the fast method: from the prediction, then from nodes nearby, or from the mean.
+
+        Where it does not converge the motion is the last try's.
+        """
         started = time.perf_counter()
         task = np.array([speed, cycle_duration])
         method = self.method(candidate)
@@ -94,17 +101,33 @@ class Refiner:
         for each in itertools.chain([first], tries):
             outcome = method.follow(task, each.start, each.unit, each.barrier, each.limit)
             run.iterations += outcome.iterations
+            status = CONVERGED[0] if outcome.converged else "not converged"
             if outcome.converged:
-                attempt = self._judged(run, outcome.w, outcome.cost, CONVERGED[0], FAST)
+                attempt = self._judged(run, outcome.w, outcome.cost, status, FAST)
                 if attempt.feasible:
                     return attempt
-        return self._fallback(run, method.space, first)
+        return self._judged(run, outcome.w, outcome.cost, status, FAST)
+
+    def fallback(self, candidate: Candidate, speed: float, cycle_duration: float) -> Attempt:
+        """Solve for a task (m/s, s) by IPOPT: from the prediction, then from the mean of the region."""
+        started = time.perf_counter()
+        task, space = np.array([speed, cycle_duration]), self._space(candidate)
+        first = next(self._tries(candidate, space, task))
+        run = _Run(candidate, task, started, time.perf_counter())
+        for primal, bounds, rows in (space.join(first.start, first.unit), self._tensors.mean(candidate.gait)):
+            answer = self._problem.ipopt(space, task, primal, bounds, rows)
+            run.iterations += answer.iterations
+            attempt = self._judged(run, answer.w, self._problem.cost(answer.w, task), answer.status, FALLBACK)
+            if attempt.refined:
+                break
+        return attempt
 
     def method(self, candidate: Candidate) -> InteriorPoint:
         """The fast method of a candidate's pattern; made when it is asked for the first time."""
-        if candidate not in self._methods:
-            self._methods[candidate] = InteriorPoint(self._program, self._space(candidate))
-        return self._methods[candidate]
+        key = candidate.gait, candidate.sheet
+        if key not in self._methods:
+            self._methods[key] = InteriorPoint(self._program, self._space(candidate))
+        return self._methods[key]
 
     def _space(self, candidate: Candidate) -> GaitSpace:
         if candidate.sheet is None:
@@ -129,15 +152,6 @@ class Refiner:
         primal, bounds, rows = self._tensors.mean(candidate.gait)
         unit = max(self._problem.cost(primal, task), LEAST_COST)
         yield _Try(space.split(primal, bounds, rows, unit), unit, MEAN_BARRIER, MEAN)
-
-    def _fallback(self, run: _Run, space: GaitSpace, first: _Try) -> Attempt:
-        for primal, bounds, rows in (space.join(first.start, first.unit), self._tensors.mean(run.candidate.gait)):
-            answer = self._problem.ipopt(space, run.task, primal, bounds, rows)
-            run.iterations += answer.iterations
-            attempt = self._judged(run, answer.w, self._problem.cost(answer.w, run.task), answer.status, FALLBACK)
-            if attempt.refined:
-                break
-        return attempt
 
     def _judged(self, run: _Run, w: Array, cost: float, status: str, method: str) -> Attempt:
         manifest, (speed, cycle_duration) = self._manifest, map(float, run.task)
