@@ -18,6 +18,7 @@ from gaitflow.bench.search import ours
 from gaitflow.bench.table import SAME_OPTIMUM, reaches
 from gaitflow.bench.targets import against
 from gaitflow.gaits import Pattern, gait_of
+from gaitflow.runtime import GaitMap
 from gaitflow.scenario import Scenario
 
 TASKS = {2: 1000, 3: 500}  # by the robot's dimension
@@ -68,6 +69,7 @@ def run(scenario: Scenario, artifact: Path, tasks: int | None = None, seed: int 
     mirror = scenario.robot.mirror_permutation if scenario.robot.mirror else None
     rows = judge(timed["rows"], references, paper, mirror)
     summary = summarise(rows, timed["select_us"])
+    summary["map_version"] = str(GaitMap.load(artifact).manifest.version)
     summary |= {key: timed[key] for key in ("load_s", "warm_up_s", "warm_up_plans")}
     summary["targets"] = against(summary, dimension)
     return document("online", scenario.name, [_short(row) for row in rows], _rounded(summary), NOTES)

@@ -155,6 +155,7 @@ def test_only_plan_is_timed_again_and_a_lost_solver_is_a_failed_run(
     big_m = done["summary"]["methods"]["bigm_random"]
     assert (big_m["successful"], big_m["optimal"], big_m["time_median_s"]) == (0, 0, 9.0)
     assert done["summary"]["speedup_vs_paper_median"] == 3000.0
+    assert done["summary"]["map_version"] == "1.0.0"
     targets = done["summary"]["targets"]
     assert (targets["tasks"]["found"], targets["tasks"]["meets"]) == (5, False)
     assert (targets["plan_ms_p50"]["at_most"], targets["plan_ms_p50"]["meets"]) == (5.0, True)
