@@ -26,6 +26,7 @@ from gaitflow.trajectory import Array
 MAX_AXIS = 2000
 MAX_MODES = 512
 MAX_SHEETS = 4096
+MAX_CELLS = 4_000_000  # sheets times tasks: what the tables to look nodes up in have memory for
 SUPPORT = 0.75  # share of the surrounding nodes that a cost has to rest on to be believed
 _NUMBERS = ("places", "costs", "mean", "modes", "coordinates", "tear")
 _BOUNDS = ("lower", "upper", "lower_rows", "upper_rows")
@@ -205,6 +206,10 @@ def parse_atlas(content: bytes, gaits: int, layout: Layout, where: str) -> Atlas
     if not 0 < barrier < 1:
         raise ArtifactError(f"{where}: barrier = {barrier:g}: must lie between 0 and 1")
     axes = file.axis("speeds"), file.axis("cycle_durations")
+    if count * len(axes[0]) * len(axes[1]) > MAX_CELLS:
+        file.refuse(
+            "the atlas", f"has {count} sheets over {len(axes[0])} by {len(axes[1])} tasks: more than {MAX_CELLS}"
+        )
     sheets = tuple(_sheet(file, number, gaits, layout, (len(axes[0]), len(axes[1]))) for number in range(count))
     return Atlas(*axes, barrier, sheets)
 
@@ -224,7 +229,11 @@ def _sheet(file: _File, number: int, gaits: int, layout: Layout, tasks: tuple[in
     ]
     if (bounds[0] > bounds[1]).any() or (bounds[2] > bounds[3]).any():
         file.refuse(name, "has a bound below that lies above the one above")
+    if any(np.isposinf(each).any() for each in bounds[::2]) or any(np.isneginf(each).any() for each in bounds[1::2]):
+        file.refuse(name, "has an infinite bound on the wrong side")
     space = GaitSpace(*bounds)
+    if not (len(space.free) and space.rows and space.bounds):
+        file.refuse(name, "leaves no variable, no row or no bound to solve for")
     nodes, modes = file.length(f"{number}.places"), file.length(f"{number}.modes")
     if nodes > tasks[0] * tasks[1] or modes > MAX_MODES:
         file.refuse(name, f"has {nodes} nodes and {modes} modes; at most {tasks[0] * tasks[1]} and {MAX_MODES} fit")
