@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import RBFInterpolator
 
 from gaitflow.learn.atlas import BARRIER, COMPETITIVE, Grown, Place
@@ -22,6 +23,7 @@ JUDGED = 24  # tasks a gait
 LIMIT = 12  # iterations; a run that needs more counts with these
 AS_GOOD = 1.02  # fewer modes are taken when they need at most this times the iterations
 NEVER = 1e30
+STRAY = 30.0  # times the usual distance of neighbours
 TEAR = 4.0  # times the usual distance of neighbours
 DEGREE = 3
 
@@ -79,7 +81,7 @@ def _atlas(grown: Grown, sheets: list[Sheet]) -> Atlas:
 def _sheet(grown: Grown, number: int, gait: int, modes: int) -> Sheet:
     space, nodes = grown.methods[number].space, grown.nodes[number]
     places = sorted(nodes)
-    numbers = np.array([space.encode(nodes[place].point) for place in places])
+    numbers = _without_strays(places, np.array([space.encode(nodes[place].point) for place in places]))
     mean = numbers.mean(axis=0)
     left, sizes, right = np.linalg.svd(numbers - mean, full_matrices=False)
     kept = min(modes, len(sizes))
@@ -99,17 +101,41 @@ def _sheet(grown: Grown, number: int, gait: int, modes: int) -> Sheet:
 
 def _tear(places: list[Place], coordinates: Array) -> float:
     """Several times the usual distance of neighbouring nodes: what is further apart is another motion."""
+    distances = _distances(_pairs(places), coordinates)
+    return float(TEAR * np.median(distances)) if len(distances) else 0.0
+
+
+def _without_strays(places: list[Place], numbers: Array) -> Array:
+    """The points with those replaced that have nothing in common with any neighbour, by the mean of the neighbours'.
+
+    Where the rows of a motion depend on each other its multipliers have no bounds, and a point may run away along them.
+    """
+    pairs = _pairs(places)
+    distances = _distances(pairs, numbers)
+    if not len(pairs):
+        return numbers
+    nearest = np.full(len(places), np.inf)
+    for side in (0, 1):
+        np.minimum.at(nearest, pairs[:, side], distances)
+    stray = np.isfinite(nearest) & (nearest > STRAY * np.median(distances))
+    kept = numbers.copy()
+    for row in np.flatnonzero(stray):
+        beside = np.concatenate([pairs[pairs[:, 0] == row, 1], pairs[pairs[:, 1] == row, 0]])
+        sound = beside[~stray[beside]]
+        if len(sound):
+            kept[row] = numbers[sound].mean(axis=0)
+    return kept
+
+
+def _pairs(places: list[Place]) -> NDArray[np.intp]:
+    """Rows [p, 2] of neighbouring nodes."""
     index = {place: row for row, place in enumerate(places)}
-    pairs = [
-        (row, index[near])
-        for (i, j), row in index.items()
-        for near in ((i + 1, j), (i, j + 1))
-        if near in index
-    ]  # fmt: skip
-    if not pairs:
-        return 0.0
-    one, other = np.array(pairs).T
-    return float(TEAR * np.median(np.linalg.norm(coordinates[one] - coordinates[other], axis=1)))
+    found = [(row, index[near]) for (i, j), row in index.items() for near in ((i + 1, j), (i, j + 1)) if near in index]
+    return np.array(found, dtype=np.intp).reshape(-1, 2)
+
+
+def _distances(pairs: NDArray[np.intp], numbers: Array) -> Array:
+    return np.linalg.norm(numbers[pairs[:, 0]] - numbers[pairs[:, 1]], axis=1)
 
 
 def _thinner(sheet: Sheet, modes: int) -> Sheet:

@@ -25,7 +25,7 @@ from gaitflow.runtime.tensors import GaitTensors
 from gaitflow.trajectory import Array, Trajectory
 
 FAST, FALLBACK = "fast", "fallback"
-QUICK = 12  # iterations of the first try, from a prediction between the nodes
+QUICK = 18  # iterations of the first try, from a prediction between the nodes
 STEADY_BARRIER, STEADY = 1e-3, 25  # of a further one, from a node itself: a higher barrier is more patient
 NODES = 2
 MEAN_BARRIER, MEAN = 1e-2, 30  # from the mean of a region, far off
