@@ -13,8 +13,8 @@ _QUALITY = ("accuracy", "macro_f1", "top1_beyond_ties", "regret_mean", "regret_p
 
 def card(manifest: Manifest) -> str:
     """Markdown: what the map is, for which robot and tasks, how good, its limits, how to load it, its licence."""
-    sections = (_what, _tasks, _gaits, _quality, _limits, _use)
-    return "\n".join(section(manifest) for section in sections)
+    sections = (_what, _tasks, _gaits, _quality, _starts, _limits, _use)
+    return "\n".join(text for section in sections if (text := section(manifest)))
 
 
 def _what(manifest: Manifest) -> str:
@@ -72,6 +72,10 @@ def _quality(manifest: Manifest) -> str:
         if isinstance(row.get(kind), Mapping)
     ]
     if judged:
+        published = manifest.metrics.get("published")
+        if isinstance(published, Mapping) and published.get("nodes"):
+            name = f"{manifest.classifier_kind} as published, fitted to {published['nodes']} nodes, too: held out"
+            judged.append((name, published["held_out"]))
         table = [f"| method | {' | '.join(name.replace('_', ' ') for name in _QUALITY)} |", "| --- " * 7 + "|"]
         table += [f"| {name} | {' | '.join(_number(values.get(key)) for key in _QUALITY)} |" for name, values in judged]
         note = (
@@ -80,6 +84,23 @@ def _quality(manifest: Manifest) -> str:
         return "\n".join([head, note, "", *table, ""])
     numbers = [f"| {name} | {_number(value)} |" for name, value in manifest.metrics.items() if _is_number(value)]
     return "\n".join([head, "", "| metric | value |", "| --- | --- |", *numbers, ""])
+
+
+def _starts(manifest: Manifest) -> str:
+    """Where plans start, when the metrics tell of an atlas."""
+    atlas = manifest.metrics.get("atlas")
+    if not isinstance(atlas, Mapping) or not atlas.get("nodes"):
+        return ""
+    rows = [
+        f"| {row['predictor']} | {row['modes']} | {row['iterations_mean']:.2f} | {row['converged']} of {row['tasks']} |"
+        for row in atlas["predictors"]
+    ]
+    return "\n".join([
+        "## Starts", "",
+        f"The atlas holds {sum(atlas['nodes'].values())} solved tasks of {len(atlas['nodes'])} patterns, along "
+        f"{atlas['modes']} modes. Newton iterations from the prediction at tasks that are none of them:", "",
+        "| predictor | modes | iterations, mean | converged |", "| --- | --- | --- | --- |", *rows, "",
+    ])  # fmt: skip
 
 
 def _limits(manifest: Manifest) -> str:
@@ -93,7 +114,7 @@ def _limits(manifest: Manifest) -> str:
 - Gaits are locally optimal: other minima may cost less. Neighbouring gaits may cost the same within a per mille.
 - The model is a rigid body with massless legs whose feet stay in boxes; between knots the motion is only as exact as
   {integrator} with equal steps.
-- The warm start is a mean over a region of tasks: a start, not a motion to execute. Plans are checked at their knots.
+- A warm start is a prediction: a start, not a motion to execute. Plans are checked at their knots.
 - `problem.casadi` is read by CasADi's native code: load an artifact only from a source you trust.
 """
 
