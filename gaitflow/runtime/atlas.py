@@ -128,7 +128,9 @@ class Atlas:
         """The `count` nodes of a sheet that are nearest to a task, by steps of the axes, nearest first."""
         chosen = self.sheets[sheet]
         tasks, steps = self._tasks[sheet]
-        order = np.argsort((((tasks - (speed, cycle_duration)) / steps) ** 2).sum(axis=1), kind="stable")[:count]
+        with np.errstate(over="ignore"):  # however far a task lies beyond
+            away = (((tasks - (speed, cycle_duration)) / steps) ** 2).sum(axis=1)
+        order = np.argsort(away, kind="stable")[:count]
         points = chosen.mean + chosen.coordinates[order].astype(np.float64) @ chosen.modes
         return [Prediction(float(cost), point) for cost, point in zip(chosen.costs[order], points, strict=True)]
 

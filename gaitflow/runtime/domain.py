@@ -67,7 +67,9 @@ class Domain:
         tasks, steps = self._trained
         if not len(tasks):
             return float("inf")
-        return float(np.sqrt((((tasks - (speed, cycle_duration)) / steps) ** 2).sum(axis=1).min()))
+        with np.errstate(over="ignore"):  # further than a float reaches is infinitely far
+            away = (tasks - (speed, cycle_duration)) / steps
+            return float(np.hypot(away[:, 0], away[:, 1]).min())
 
     @cached_property
     def _trained(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

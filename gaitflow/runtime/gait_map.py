@@ -25,6 +25,8 @@ from gaitflow.runtime.tensors import GaitTensors, WarmStart, parse_tensors, warm
 from gaitflow.runtime.versions import resolve
 from gaitflow.trajectory import Array
 
+FARTHEST = 1e6  # m/s, s: of a task beyond the domain, what the classifier's float32 can take
+
 
 class GaitMap:
     """A published map from task (speed m/s, cycle duration s) to gait. Build it with `GaitMap.load`.
@@ -139,7 +141,7 @@ class GaitMap:
         return self._unpacked(index, self._manifest.gaits[index].pattern, self._tensors.mean(index), cycle_duration)
 
     def _probabilities(self, speed: float, cycle_duration: float) -> list[float]:
-        task = np.array([[speed, cycle_duration]], dtype=np.float32)
+        task = np.clip([[speed, cycle_duration]], -FARTHEST, FARTHEST).astype(np.float32)
         probabilities: list[float] = self._classifier(task)[0].tolist()
         return probabilities
 

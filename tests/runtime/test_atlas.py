@@ -135,7 +135,7 @@ def test_ranked_has_one_sheet_a_gait_the_certain_and_cheap_first() -> None:
 def test_nearest_nodes_come_nearest_first() -> None:
     one = sheet(costs=tuple(range(1, 10)))
     found = atlas(one).nearest(0, 0.39, 0.61, 3)
-    assert [node.cost for node in found][0] == pytest.approx(one.costs[EVERYWHERE.index((2, 1))])
+    assert found[0].cost == pytest.approx(one.costs[EVERYWHERE.index((2, 1))])
     np.testing.assert_allclose(found[0].point, one.mean + np.array([2.0, 1.0]) @ one.modes, rtol=1e-5, atol=1e-5)
     assert len({node.cost for node in found}) == 3
     assert len(atlas(sheet(places=((0, 0),))).nearest(0, 9.0, 9.0, 5)) == 1
@@ -207,15 +207,15 @@ def test_flipped_bits_are_refused_or_harmless(flips: list[tuple[int, int]]) -> N
 
 @given(st.integers(0, len(CONTENT) - 1))
 def test_truncated_files_are_refused(length: int) -> None:
-    with pytest.raises(ArtifactError, match="^a: "):
+    with pytest.raises(ArtifactError, match=r"^a: "):
         parse(CONTENT[:length])
 
 
 @given(st.binary(max_size=200))
 def test_garbage_is_refused(content: bytes) -> None:
-    with pytest.raises(ArtifactError, match="^a: "):
+    with pytest.raises(ArtifactError, match=r"^a: "):
         parse(content)
-    with pytest.raises(ArtifactError, match="^a: "):
+    with pytest.raises(ArtifactError, match=r"^a: "):
         parse(len(content).to_bytes(8, "little") + content)
 
 
@@ -236,7 +236,7 @@ def test_odd_tensors_are_refused(name: str, oddity: str) -> None:
         tensors[name] = np.array(odd[oddity](), order="C")
     if name in ("speeds", "cycle_durations") and oddity == "shorter":
         return refused_or_sound(save(tensors))  # nodes off the shorter axis, or none of them
-    with pytest.raises(ArtifactError, match="^a: "):
+    with pytest.raises(ArtifactError, match=r"^a: "):
         parse(save(tensors))
 
 

@@ -70,6 +70,39 @@ def test_what_is_not_inside_is_explained_by_an_infeasible_task(speed: float, dur
         assert "(0.9 m/s, 0.6 s)" in DOMAIN.explain(speed, duration)
 
 
+@pytest.mark.parametrize(
+    ("speed", "duration", "steps"),
+    [
+        (0.1, 0.4, 0.0),
+        (0.1, 0.8, 0.5),  # the steps are the axes' means, 2/3 m/s and 0.4 s
+        (0.9, 0.6, 0.5),  # an infeasible task is none that was trained on
+        (2.1 + 2 / 3, 1.2, 1.0),
+        (2.1 + 2.0, 1.2 + 1.6, 5.0),
+        (-0.1, 0.4, 0.3),
+    ],
+)
+def test_distance_is_to_the_nearest_feasible_task_in_steps(speed: float, duration: float, steps: float) -> None:
+    assert DOMAIN.distance(speed, duration) == pytest.approx(steps, abs=1e-12)
+
+
+@given(st.floats(0.1, 2.1), st.floats(0.4, 1.2))
+def test_no_task_of_an_even_grid_is_further_than_half_its_cells_diagonal(speed: float, duration: float) -> None:
+    even = Domain((0.1, 1.1, 2.1), (0.4, 0.8, 1.2), ((True,) * 3,) * 3)
+    assert even.distance(speed, duration) <= 0.5**0.5 + 1e-9
+
+
+def test_distance_where_there_is_no_step_or_no_task() -> None:
+    one = Domain((0.5,), (0.8,), ((True,),))
+    assert one.distance(1.5, 0.8) == pytest.approx(1.0), "an axis of one value counts in its unit"
+    assert Domain((0.5,), (0.8,), ((False,),)).distance(0.5, 0.8) == np.inf
+
+
+@pytest.mark.filterwarnings("error")
+def test_distance_to_the_end_of_the_world_is_no_accident() -> None:
+    assert DOMAIN.distance(1e300, 0.6) > 1e299
+    assert DOMAIN.distance(-1.7e308, 1.7e308) == np.inf
+
+
 def test_beyond_the_grid_is_explained_by_value_and_range() -> None:
     assert DOMAIN.explain(3.0, 0.6) == "speed = 3 m/s is outside the map's 0.1 to 2.1 m/s"
     assert DOMAIN.explain(0.5, 0.2) == "cycle_duration = 0.2 s is outside the map's 0.4 to 1.2 s"

@@ -97,6 +97,33 @@ def test_outside_the_domain_nothing_is_said(gait_map: GaitMap, speed: float, cyc
         gait_map.plan(speed, cycle)
 
 
+@pytest.mark.parametrize(("speed", "cycle"), [(2.2, 0.6), (0.05, 0.6), (0.9, 1.3), (2.0, 0.45), (-1.0, 0.5)])
+def test_beyond_the_domain_a_guess_has_to_be_asked_for(gait_map: GaitMap, speed: float, cycle: float) -> None:
+    choice = gait_map.select(speed, cycle, beyond=True)
+    assert choice.in_domain is False
+    assert choice.distance == gait_map.select(speed, cycle).distance > 0
+    assert choice.gait == ("gallop" if speed > 0.7 else "walking")
+    assert len(choice.ranked) == 2 and choice.probability == choice.ranked[0][1] > 0.5
+    start = choice.warm_start
+    assert (start.gait, start.pattern) == (choice.gait, choice.pattern)
+    assert start.times[-1] == pytest.approx(cycle)
+
+
+def test_beyond_says_the_same_inside(gait_map: GaitMap) -> None:
+    assert gait_map.select(0.77, 0.66, beyond=True) == gait_map.select(0.77, 0.66)
+    assert gait_map.select(0.9, 0.666666667).distance == 0
+    assert 0 < gait_map.select(0.77, 0.66).distance < 0.71
+
+
+@pytest.mark.parametrize("far", [1e30, 1e300, -1e300])
+@pytest.mark.filterwarnings("error")
+def test_however_far_beyond_probabilities_stay_numbers(gait_map: GaitMap, far: float) -> None:
+    for task in ((far, 0.6), (0.9, far)):
+        choice = gait_map.select(*task, beyond=True)
+        assert sum(probability for _, probability in choice.ranked) == pytest.approx(1, abs=1e-6)
+        assert choice.distance > 1e29
+
+
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, "0.9", None, True, 1j, [0.9], np.nan, 10**400])
 def test_what_is_no_finite_number_is_named(gait_map: GaitMap, bad: object) -> None:
     for ask in (gait_map.select, gait_map.plan):

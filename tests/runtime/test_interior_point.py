@@ -79,7 +79,7 @@ def test_a_neighbours_point_needs_a_few_iterations(
 ) -> None:
     task, method = np.array([speed, cycle]), methods[gait]
     start, unit = solved_start(parts, method.space, gait, task)
-    beside = task + (0.05, 0.01)
+    beside = task + np.array([0.05, 0.01])
     near = method.centre(beside, start, unit, BARRIER, 60)
     outcome = method.follow(task, near.point, unit, BARRIER, 30)
     assert outcome.converged and outcome.iterations <= most

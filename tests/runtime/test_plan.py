@@ -7,19 +7,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tiny_map import cold_solve
 
 from gaitflow import check
 from gaitflow.artifact import Parts, publish
-from gaitflow.gaits import Pattern
 from gaitflow.problem import GaitProblem
-from gaitflow.runtime import ArtifactError, GaitMap, Plan
-from gaitflow.runtime.plan import refine_ranked
-from gaitflow.runtime.refine import Attempt
-from gaitflow.solve.guess import nominal
-from gaitflow.solve.nlp import FixedGaitSolver, Start
+from gaitflow.runtime import ArtifactError, GaitMap, OutOfDomain, Plan, refine
+from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.plan import Asked, refine_ranked
+from gaitflow.runtime.refine import Attempt, Candidate
 from gaitflow.trajectory import Trajectory
 
 FAST = (2.05, 0.9)  # beyond what walking can do
+TIMES = {"select_ms", "predict_ms", "refine_ms", "time_ms"}
 
 
 @pytest.fixture(scope="module")
@@ -29,40 +29,60 @@ def gait_map(pristine: Path) -> GaitMap:
 
 @pytest.fixture(scope="module")
 def walker(preferring: Callable[[str], Parts], tmp_path_factory: pytest.TempPathFactory) -> GaitMap:
-    """A map that ranks walking first everywhere."""
-    return GaitMap.load(publish(tmp_path_factory.mktemp("walker"), preferring("walking")))
+    """A map without an atlas that ranks walking first everywhere."""
+    bare = dataclasses.replace(preferring("walking"), atlas=Atlas.empty())
+    return GaitMap.load(publish(tmp_path_factory.mktemp("walker"), bare))
+
+
+@pytest.fixture
+def slow(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The fast method has no iterations to spend."""
+    for limit in ("QUICK", "STEADY", "MEAN"):
+        monkeypatch.setattr(refine, limit, 0)
 
 
 def _checked(problem: GaitProblem, plan: Plan, speed: float, cycle: float) -> float:
     return check.worst(problem.scenario.as_data(), plan, speed, cycle, plan.pattern)
 
 
-@pytest.mark.parametrize(("speed", "cycle"), [(0.3, 0.6), (0.55, 1.1), (0.9, 0.6), (1.7, 0.5), FAST])
+def assert_same(one: Plan, other: Plan) -> None:
+    """Bit by bit, but for the times."""
+    for field in dataclasses.fields(Plan):
+        if field.name not in TIMES:
+            np.testing.assert_array_equal(getattr(one, field.name), getattr(other, field.name), err_msg=field.name)
+
+
+@pytest.mark.parametrize(("speed", "cycle"), [(0.3, 0.6), (0.55, 1.1), (0.9, 0.6), (1.7, 0.6), FAST])
 def test_plans_are_feasible_and_no_dearer_than_a_fresh_solve(
     gait_map: GaitMap, parts: Parts, speed: float, cycle: float
 ) -> None:
     plan = gait_map.plan(speed=speed, cycle_duration=cycle)
     assert plan.feasible
-    assert plan.path == "first"
-    assert plan.tried == ((plan.gait, "solved"),)
+    assert plan.path == "fast"
+    assert plan.tried == ((plan.gait, "solved, fast"),)
     assert plan.violation == _checked(parts.problem, plan, speed, cycle) <= 1e-6
     assert plan.durations.sum() == pytest.approx(cycle)
     assert plan.base[-1, 0] - plan.base[0, 0] == pytest.approx(speed * cycle)
-    solver = FixedGaitSolver(parts.problem, 20.0)
-    guess = nominal(parts.problem.scenario.robot, parts.problem.layout, speed, cycle)
-    fresh = solver.solve(Pattern.from_text(plan.pattern), speed, cycle, Start("nominal", guess))
+    fresh = cold_solve(parts.problem, plan.pattern, speed, cycle)
     assert fresh.feasible
-    assert 0.95 * fresh.cost < plan.cost <= fresh.cost * (1 + 1e-4)  # the warm start may find a better minimum
+    assert 0.95 * fresh.cost < plan.cost <= fresh.cost * (1 + 1e-6)  # the start may lead to a better minimum
 
 
-def test_the_warm_start_is_used(gait_map: GaitMap, parts: Parts) -> None:
-    """At the task that the start was solved for there is next to nothing left to do."""
-    plan = gait_map.plan(1.3, 0.6)
-    np.testing.assert_allclose(plan.base, parts.problem.layout.unpack(parts.starts[1].primal, 0.6).base, atol=1e-4)
-    solver = FixedGaitSolver(parts.problem, 20.0)
-    guess = nominal(parts.problem.scenario.robot, parts.problem.layout, 1.3, 0.6)
-    cold = solver.solve(Pattern.from_text(plan.pattern), 1.3, 0.6, Start("nominal", guess))
-    assert plan.iterations <= 6 < cold.iterations
+def test_the_gait_is_the_cheapest_whatever_the_classifier_says(
+    gait_map: GaitMap, preferring: Callable[[str], Parts], parts: Parts, tmp_path: Path
+) -> None:
+    wrong = GaitMap.load(publish(tmp_path, preferring("gallop")))
+    for task in ((0.3, 0.6), (0.55, 1.1)):
+        plan, other = gait_map.plan(*task), cold_solve(parts.problem, "0110/1100", *task)
+        assert other.feasible and plan.cost < other.cost
+        assert wrong.select(*task).gait == "gallop"
+        assert (wrong.plan(*task).gait, wrong.plan(*task).cost) == (plan.gait, plan.cost) == ("walking", plan.cost)
+
+
+def test_a_prediction_saves_most_iterations(gait_map: GaitMap, parts: Parts) -> None:
+    for task in ((0.35, 0.63), (1.27, 0.85), (1.63, 0.55)):
+        plan = gait_map.plan(*task)
+        assert plan.iterations <= 6 < cold_solve(parts.problem, plan.pattern, *task).iterations
 
 
 def test_shapes_of_a_plan(gait_map: GaitMap) -> None:
@@ -72,7 +92,34 @@ def test_shapes_of_a_plan(gait_map: GaitMap) -> None:
     assert plan.feet.shape == (17, 2, 2)
     assert plan.forces.shape == plan.foot_velocities.shape == (16, 2, 2)
     assert plan.durations.shape == (4,)
-    assert plan.time_ms > 0
+
+
+def test_times_add_up(gait_map: GaitMap, walker: GaitMap) -> None:
+    for plan in (gait_map.plan(0.9, 0.6), walker.plan(*FAST)):
+        assert min(plan.select_ms, plan.predict_ms, plan.refine_ms) > 0
+        assert plan.select_ms + plan.predict_ms + plan.refine_ms <= plan.time_ms
+
+
+@pytest.mark.usefixtures("slow")
+@pytest.mark.parametrize("task", [(0.3, 0.6), (1.27, 0.85)])
+def test_ipopt_takes_over_where_the_fast_method_fails(
+    gait_map: GaitMap, parts: Parts, task: tuple[float, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plan = gait_map.plan(*task)
+    assert plan.feasible and plan.path == "fallback"
+    assert plan.tried == ((plan.gait, "solved, fallback"),)
+    assert _checked(parts.problem, plan, *task) <= 1e-6
+    monkeypatch.undo()
+    quick = gait_map.plan(*task)
+    assert quick.path == "fast"
+    assert quick.gait == plan.gait and quick.cost == pytest.approx(plan.cost, rel=1e-6)
+
+
+@pytest.mark.usefixtures("slow")
+def test_a_map_without_an_atlas_falls_back_too(walker: GaitMap, parts: Parts) -> None:
+    plan = walker.plan(0.3, 0.6)
+    assert (plan.gait, plan.feasible) == ("walking", True)
+    assert _checked(parts.problem, plan, 0.3, 0.6) <= 1e-6
 
 
 def test_the_next_gait_is_tried_and_said(walker: GaitMap, parts: Parts) -> None:
@@ -81,7 +128,7 @@ def test_the_next_gait_is_tried_and_said(walker: GaitMap, parts: Parts) -> None:
     assert (plan.gait, plan.path) == ("gallop", "next:1")
     assert plan.probability == walker.select(*FAST).ranked[1][1]
     (first, why), (second, outcome) = plan.tried
-    assert (first, second, outcome) == ("walking", "gallop", "solved")
+    assert (first, second, outcome) == ("walking", "gallop", "solved, fast")
     assert why.startswith("infeasible: violation ")
     assert _checked(parts.problem, plan, *FAST) <= 1e-6
 
@@ -93,18 +140,20 @@ def test_failure_is_said_with_the_least_infeasible_motion(walker: GaitMap, parts
     assert plan.violation == _checked(parts.problem, plan, *FAST) > 1e-3
 
 
+@pytest.mark.usefixtures("slow")
 def test_a_solver_that_stops_early_is_not_believed(artifact: Path, parts: Parts) -> None:
-    path = publish(artifact.parents[1] / "hasty", dataclasses.replace(parts, solver_options={"max_iter": 1}))
-    plan = GaitMap.load(path).plan(0.55, 1.1)
+    hasty = dataclasses.replace(parts, solver_options={"max_iter": 1}, atlas=Atlas.empty())
+    plan = GaitMap.load(publish(artifact.parents[1] / "hasty", hasty)).plan(0.55, 1.1)
     assert plan.path == "failed"
     assert [gait for gait, _ in plan.tried] == ["walking", "gallop"]
     assert all("Maximum_Iterations_Exceeded" in outcome for _, outcome in plan.tried)
 
 
-def test_a_solver_that_throws_costs_one_gait(artifact: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.usefixtures("slow")
+def test_a_solver_that_throws_costs_one_start(artifact: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     gait_map = GaitMap.load(artifact)
-    refiner = gait_map._load_refiner()
-    real, calls = refiner._solver, []
+    problem = gait_map._refiner()._problem
+    real, calls = problem._ipopt, []
 
     class Throwing:
         def __call__(self, **arguments: object) -> object:
@@ -116,52 +165,91 @@ def test_a_solver_that_throws_costs_one_gait(artifact: Path, monkeypatch: pytest
         def stats(self) -> dict:
             return real.stats()
 
-    monkeypatch.setattr(refiner, "_solver", Throwing())
+    monkeypatch.setitem(vars(problem), "_ipopt", Throwing())
     plan = gait_map.plan(0.9, 0.6)
-    assert plan.feasible
-    assert (plan.gait, plan.path) == ("walking", "next:1")
-    assert "the solver failed: singular" in plan.tried[0][1]
+    assert plan.feasible and len(calls) == 2
+    assert (plan.gait, plan.path) == ("walking", "fallback"), "the mean of its region was the second start"
+    monkeypatch.setattr(Throwing, "__call__", lambda self, **arguments: (_ for _ in ()).throw(RuntimeError("a\nb")))
+    failed = gait_map.plan(0.9, 0.6)
+    assert failed.path == "failed"
+    assert all("the solver failed: b" in outcome for _, outcome in failed.tried)
 
 
 class Scripted:
-    """A refiner whose solves end as told: (violation, solver status) by gait."""
+    """A refiner whose solves end as told: (violation, solver status) by gait, of the fast method and of IPOPT."""
 
-    def __init__(self, gait_map: GaitMap, *ends: tuple[float, str]) -> None:
-        self._trajectory = gait_map.select(0.9, 0.6).warm_start
-        self._ends = ends
+    def __init__(self, gait_map: GaitMap, fast: list[tuple[float, str]], fallback: list[tuple[float, str]]) -> None:
+        start = gait_map.select(0.9, 0.6).warm_start
+        self._fields = {field.name: getattr(start, field.name) for field in dataclasses.fields(Trajectory)}
+        self._ends = {"fast": fast, "fallback": fallback}
+        self.calls: list[tuple[str, int]] = []
 
-    def solve(self, gait: int, speed: float, cycle_duration: float) -> Attempt:
-        fields = {field.name: getattr(self._trajectory, field.name) for field in dataclasses.fields(Trajectory)}
-        violation, status = self._ends[gait]
-        return Attempt(Trajectory(**fields), 10.0 + gait, violation, 7, status)
+    def _end(self, method: str, gait: int) -> Attempt:
+        self.calls.append((method, gait))
+        violation, status = self._ends[method][gait]
+        return Attempt(Trajectory(**self._fields), "0110/1100", 10.0 + gait, violation, 7, status, method, 0.5, 1.5)
+
+    def fast(self, candidate: Candidate, speed: float, cycle_duration: float) -> Attempt:
+        return self._end("fast", candidate.gait)
+
+    def fallback(self, candidate: Candidate, speed: float, cycle_duration: float) -> Attempt:
+        return self._end("fallback", candidate.gait)
 
 
 GOOD, LIMIT = "Solve_Succeeded", "Maximum_Iterations_Exceeded"
+SOLVED, WRONG, EARLY, LOST = (0.0, GOOD), (1e-3, GOOD), (1e-9, LIMIT), (np.inf, LIMIT)
+FAST_0, FAST_1, SLOW_0, SLOW_1 = ("fast", 0), ("fast", 1), ("fallback", 0), ("fallback", 1)
 
 
+@pytest.mark.parametrize("certain", [True, False])
 @pytest.mark.parametrize(
-    ("ends", "gait", "path", "feasible", "outcomes"),
+    ("fast", "fallback", "gait", "path", "feasible", "outcomes"),
     [
-        ([(0.0, GOOD), (0.0, GOOD)], "walking", "first", True, ["solved"]),
-        # The solver's success is not believed when the check disagrees.
-        ([(1e-3, GOOD), (0.0, GOOD)], "gallop", "next:1", True, ["infeasible: violation 1.0e-03", "solved"]),
-        # Feasible but no minimum: another gait is tried, and the motion kept when none is better.
-        ([(0.0, LIMIT), (0.0, GOOD)], "gallop", "next:1", True, ["not converged", "solved"]),
-        ([(1e-9, LIMIT), (1e-2, LIMIT)], "walking", "failed", True, ["not converged", "infeasible"]),
-        ([(np.inf, LIMIT), (1e-2, GOOD)], "gallop", "failed", False, ["infeasible: violation inf", "infeasible"]),
+        ([SOLVED, SOLVED], [LOST, LOST], "walking", "fast", True, ["solved, fast"]),
+        # A success is not believed when the check disagrees, and feasible is not enough without a minimum.
+        ([WRONG, LOST], [SOLVED, LOST], "walking", "fallback", True, ["solved, fallback"]),
+        ([EARLY, LOST], [SOLVED, LOST], "walking", "fallback", True, ["solved, fallback"]),
+        ([LOST, SOLVED], [WRONG, LOST], "gallop", "next:1", True, ["infeasible", "solved, fast"]),
+        ([LOST, LOST], [LOST, SOLVED], "gallop", "next:1", True, ["infeasible", "solved, fallback"]),
+        # The motion that breaks the constraints least is handed back when nothing refines.
+        ([EARLY, WRONG], [WRONG, LOST], "walking", "failed", True, ["infeasible", "infeasible"]),
+        ([LOST, LOST], [LOST, WRONG], "gallop", "failed", False, ["infeasible: violation inf", "infeasible"]),
     ],
 )
 def test_both_the_check_and_the_solver_must_agree(
-    gait_map: GaitMap, ends: list, gait: str, path: str, feasible: bool, outcomes: list[str]
+    gait_map: GaitMap, certain: bool, fast: list, fallback: list, gait: str, path: str, feasible: bool, outcomes: list
 ) -> None:
-    ranked = [(index, each, 0.5 - 0.1 * index) for index, each in enumerate(gait_map.gaits)]
-    plan = refine_ranked(Scripted(gait_map, *ends), ranked, 0.9, 0.6, started=0.0)
+    ranked = [(Candidate(n, None, certain), each, 0.5 - 0.1 * n) for n, each in enumerate(gait_map.gaits)]
+    scripted = Scripted(gait_map, fast, fallback)
+    plan = refine_ranked(scripted, ranked, Asked(0.9, 0.6, True, 0.25, 0.0))
     assert (plan.gait, plan.path, plan.feasible) == (gait, path, feasible)
-    assert [name for name, _ in plan.tried] == ["walking", "gallop"][: len(outcomes)]
-    assert all(said.startswith(outcome) for (_, said), outcome in zip(plan.tried, outcomes, strict=True))
-    assert plan.iterations == 7 * len(outcomes)
+    said = [name for name, _ in plan.tried]
+    assert said == ["walking", "gallop"][: len(said)]
+    assert all(told.startswith(outcome) for (_, told), outcome in zip(plan.tried, outcomes, strict=False))
+    assert len(plan.tried) >= len(outcomes)
+    assert plan.iterations == 7 * len(scripted.calls)
+    assert plan.predict_ms == 0.5 * len(scripted.calls)
     assert plan.cost == (10.0 if gait == "walking" else 11.0)
     assert plan.probability == (0.5 if gait == "walking" else 0.4)
+    assert (plan.in_domain, plan.distance) == (True, 0.25)
+
+
+@pytest.mark.parametrize(
+    ("certain", "calls"),
+    [
+        ((True, True), [FAST_0, SLOW_0, FAST_1, SLOW_1]),
+        ((True, False), [FAST_0, SLOW_0, FAST_1, SLOW_1]),
+        ((False, True), [FAST_0, FAST_1, SLOW_1, SLOW_0]),
+        ((False, False), [FAST_0, FAST_1, SLOW_0, SLOW_1]),
+    ],
+)
+def test_ipopt_is_spent_on_an_uncertain_gait_only_when_all_else_failed(
+    gait_map: GaitMap, certain: tuple[bool, bool], calls: list[tuple[str, int]]
+) -> None:
+    ranked = [(Candidate(n, None, certain[n]), each, 0.5) for n, each in enumerate(gait_map.gaits)]
+    scripted = Scripted(gait_map, [LOST, LOST], [LOST, LOST])
+    refine_ranked(scripted, ranked, Asked(0.9, 0.6, True, 0.0, 0.0))
+    assert scripted.calls == calls
 
 
 @pytest.mark.parametrize("top", [0, -1, 1.5, "2", None, True])
@@ -170,7 +258,89 @@ def test_bad_top_is_refused(gait_map: GaitMap, top: object) -> None:
         gait_map.plan(0.9, 0.6, top=top)
 
 
-def test_plans_from_threads_do_not_disturb_each_other(artifact: Path) -> None:
+BEYOND = [(2.25, 0.6), (2.0, 0.45), (0.02, 0.5), (0.9, 1.3)]
+
+
+@pytest.mark.parametrize(("speed", "cycle"), BEYOND)
+def test_beyond_the_domain_a_plan_has_to_be_asked_for_and_is_checked_all_the_same(
+    gait_map: GaitMap, parts: Parts, speed: float, cycle: float
+) -> None:
+    with pytest.raises(OutOfDomain):
+        gait_map.plan(speed, cycle)
+    plan = gait_map.plan(speed, cycle, beyond=True)
+    assert plan.in_domain is False
+    assert plan.distance == gait_map.manifest.domain.distance(speed, cycle) > 0
+    assert plan.feasible is (_checked(parts.problem, plan, speed, cycle) <= 1e-6)
+    if plan.feasible:
+        assert plan.base[-1, 0] - plan.base[0, 0] == pytest.approx(speed * cycle)
+
+
+def test_beyond_changes_nothing_inside(gait_map: GaitMap) -> None:
+    assert_same(gait_map.plan(0.9, 0.6), gait_map.plan(0.9, 0.6, beyond=True))
+
+
+@pytest.mark.parametrize("task", [(60.0, 0.6), (1e300, 0.6), (0.9, 1e300), (-1e300, 1e-300), (0.9, 5e-324)])
+@pytest.mark.filterwarnings("error")
+def test_however_far_beyond_a_plan_ends_without_a_motion_and_says_so(gait_map: GaitMap, task: tuple) -> None:
+    plan = gait_map.plan(*task, beyond=True)
+    assert (plan.path, plan.feasible) == ("failed", False)
+    assert 0 <= plan.probability <= 1
+    assert plan.violation > 1e-6
+
+
+@pytest.mark.parametrize("cycle", [0.0, -0.6])
+def test_no_cycle_lasts_no_time(gait_map: GaitMap, cycle: float) -> None:
+    with pytest.raises(OutOfDomain, match="cycle_duration = "):
+        gait_map.plan(0.9, cycle, beyond=True)
+
+
+def _tasks(gait_map: GaitMap, count: int, seed: int) -> list[tuple[float, float]]:
+    drawn = np.random.default_rng(seed).uniform((0.1, 0.4), (2.1, 1.2), (2 * count, 2)).tolist()
+    return [(v, t) for v, t in drawn if gait_map.manifest.domain.contains(v, t)][:count]
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_tasks_refine_and_pass_the_check(gait_map: GaitMap, parts: Parts, seed: int) -> None:
+    for task in _tasks(gait_map, 40, seed):
+        plan = gait_map.plan(*task)
+        assert plan.feasible, task
+        assert _checked(parts.problem, plan, *task) == plan.violation <= 1e-6
+
+
+def test_plans_repeat_bit_by_bit(pristine: Path) -> None:
+    one, other = GaitMap.load(pristine), GaitMap.load(pristine)
+    tasks = _tasks(one, 30, 7)
+    first = {task: one.plan(*task) for task in tasks}
+    for task in reversed(tasks):  # what was planned before leaves no trace
+        assert_same(other.plan(*task), first[task])
+
+
+def test_many_threads_plan_as_one_does(pristine: Path) -> None:
+    gait_map = GaitMap.load(pristine)
+    tasks = _tasks(gait_map, 200, 11)
+    assert len(tasks) == 200
+    barrier, plans = threading.Barrier(8), [{} for _ in range(8)]
+
+    def ask(number: int) -> None:
+        barrier.wait()
+        for n in range(len(tasks)):
+            task = tasks[(n + 25 * number) % len(tasks)]
+            plans[number][task] = gait_map.plan(*task)
+
+    threads = [threading.Thread(target=ask, args=(number,)) for number in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    alone = {task: GaitMap.plan(gait_map, *task) for task in tasks}
+    for found in plans:
+        assert len(found) == len(tasks)
+        for task in tasks:
+            assert_same(found[task], alone[task])
+
+
+@pytest.mark.usefixtures("slow")
+def test_threads_take_turns_at_ipopt(artifact: Path) -> None:
     gait_map = GaitMap.load(artifact)
     tasks = [(0.3, 0.6), (0.9, 0.6), (1.3, 0.8), (1.7, 0.6)]
     plans: dict[tuple[float, float], Plan] = {}
@@ -183,8 +353,20 @@ def test_plans_from_threads_do_not_disturb_each_other(artifact: Path) -> None:
         thread.join()
     for task in tasks:
         alone = gait_map.plan(*task)
-        assert plans[task].feasible
+        assert plans[task].feasible and plans[task].path == "fallback"
         assert plans[task].cost == pytest.approx(alone.cost, rel=1e-9)
+
+
+def test_a_published_map_of_format_1_still_answers(checkout: Path) -> None:
+    gait_map = GaitMap.load(checkout / "models/half-cheetah-flat-vibration/1.0.0")
+    scenario = dict(gait_map.manifest.scenario)
+    for task in ((0.3, 0.8), (0.9, 0.6), (1.7, 0.6)):
+        choice = gait_map.select(*task)
+        np.testing.assert_array_equal(choice.warm_start.primal, gait_map.mean_start(choice.gait, task[1]).primal)
+        plan = gait_map.plan(*task)
+        assert plan.feasible and check.worst(scenario, plan, *task, plan.pattern) <= 1e-6
+        assert plan.gait == choice.gait, "the likeliest gait comes first"
+        assert plan.probability == choice.probability
 
 
 @pytest.mark.parametrize("content", [b"", b"garbage", b"\xff\xfe\x00"])
