@@ -1,6 +1,10 @@
-"""A small synthetic map, and a training on it that the tests of this folder share."""
+"""A small synthetic map, a training on it, and the nodes of the small real map, that the tests of this folder share."""
 
 from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -11,6 +15,17 @@ from gaitflow.dataset.tasks import Task
 from gaitflow.gaits import Pattern, gait_of
 from gaitflow.learn.train import Training, train
 from gaitflow.scenario import Learning
+
+_SPEC = importlib.util.spec_from_file_location("tiny_map", Path(__file__).parents[1] / "artifact" / "tiny_map.py")
+assert _SPEC is not None
+assert _SPEC.loader is not None
+if "tiny_map" not in sys.modules:
+    sys.modules["tiny_map"] = importlib.util.module_from_spec(_SPEC)
+    _SPEC.loader.exec_module(sys.modules["tiny_map"])
+
+from tiny_map import grown, judged, parts  # noqa: E402
+
+__all__ = ["grown", "judged", "parts"]
 
 LEARNING = Learning(
     folds=3, hidden_layers=((100, 80, 50),), learning_rates=(1e-2,), weight_decays=(1e-2,), max_epochs=60

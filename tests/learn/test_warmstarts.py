@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from gaitflow.learn.warmstarts import region_means
+from gaitflow.learn.warmstarts import WarmStart, region_means, winning_patterns
 from gaitflow.solve.solution import Multipliers, Solution
 from gaitflow.trajectory import Array, Trajectory
 
@@ -113,3 +113,21 @@ def test_a_gait_without_trajectories_is_named() -> None:
     bare = [replace(one, trajectory=None) for one in GALLOPS]
     with pytest.raises(ValueError, match="gait 'gallop': no solution of its region"):
         region_means(LABELS, WALKS + bare, pack)
+
+
+def _start(gait: str, pattern: str) -> WarmStart:
+    return WarmStart(gait, pattern, 1, np.zeros(4), np.zeros(4), np.zeros(3))
+
+
+def test_winning_patterns_are_the_starts_and_all_that_win_a_task_of_the_grid() -> None:
+    won = LABELS.assign(pattern=["AABC", "ABBC", "DDEF", "DEEF", "", "ABCC"])
+    starts = [_start("walking", "AABC"), _start("gallop", "DDDF")]
+    found = winning_patterns(won, starts)
+    assert found == {"AABC": "walking", "DDDF": "gallop", "ABBC": "walking", "DDEF": "gallop", "DEEF": "gallop"}
+    assert list(found) == ["AABC", "DDDF", "ABBC", "DDEF", "DEEF"], "the starts' own first, then by text"
+
+
+def test_winning_patterns_of_gaits_that_the_map_does_not_have_are_left_out() -> None:
+    won = LABELS.assign(pattern=["AABC", "ABBC", "DDEF", "DEEF", "", "ABCC"])
+    assert winning_patterns(won, [_start("walking", "AABC")]) == {"AABC": "walking", "ABBC": "walking"}
+    assert winning_patterns(won, []) == {}
