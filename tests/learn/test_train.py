@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 from gaitflow.learn.classifier import CannotTrain
+from gaitflow.learn.nodes import NodeLabels
 from gaitflow.learn.train import Training, train
 from gaitflow.scenario import Learning
 
@@ -121,3 +122,35 @@ def test_a_task_out_of_scale_gets_a_probability_all_the_same(training: Training)
     found = probabilities(training.onnx, far)
     assert np.isfinite(found).all()
     np.testing.assert_allclose(found.sum(axis=1), 1.0, atol=1e-5)
+
+
+def nodes_of(cells: int) -> tuple[NodeLabels, list[str]]:
+    """Labels of 600 tasks amid the grid, cut into so many cells, seven of them of a gait that the map does not have."""
+    tasks = np.random.default_rng(5).uniform((0.1, 0.4), (2.3, 1.3), (600, 2))
+    gaits = np.where(1.0 + 2.0 * tasks[:, 0] < 1.8 + tasks[:, 0], 1, 0)
+    gaits[:7] = 2
+    return NodeLabels(tasks.astype(np.float32), gaits, np.arange(600) % cells), ["gallop", "walking", "limping"]
+
+
+def test_nodes_refine_the_published_model_and_take_no_part_in_choosing(
+    training: Training, synthetic_map: Frames, learning: Learning
+) -> None:
+    nodes, gaits = nodes_of(cells=20)
+    found = train(*synthetic_map, learning, nodes=(nodes, gaits))
+    assert training.published.nodes == 0 and found.published.nodes == 593, "of gaits that the map does not have none"
+    before, after = training.as_data(), found.as_data()
+    assert before.pop("published") != after.pop("published")
+    assert before == after
+    assert found.onnx != training.onnx
+    tasks = pd.DataFrame(nodes.tasks[7:], columns=["speed", "cycle_duration"])
+    truth = np.array([found.classes.index(gaits[n]) for n in nodes.gaits[7:]])
+    right = [np.mean(probabilities(each.onnx, tasks).argmax(axis=1) == truth) for each in (training, found)]
+    assert right[1] > max(right[0], 0.97)
+
+
+def test_nodes_of_one_cell_leave_the_temperature_as_it_was(
+    training: Training, synthetic_map: Frames, learning: Learning
+) -> None:
+    found = train(*synthetic_map, learning, nodes=nodes_of(cells=1))
+    assert found.published.temperature == training.published.temperature
+    assert found.as_data()["published"]["log_loss"] is None
