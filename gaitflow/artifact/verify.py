@@ -114,7 +114,7 @@ def _scenario_faults(manifest: Manifest) -> list[Finding]:
         return [Finding(MANIFEST, str(error))]
     robot, problem, layout = scenario.robot, layout_of(scenario), manifest.layout
     mine: dict[str, Any] = {
-        "scenario_digest": digest_of(scenario.as_data()),
+        "scenario_digest": digest_of(dict(manifest.scenario)),
         "domain": (scenario.tasks.speed.values, scenario.tasks.cycle_duration.values),
         "layout": (problem.phases, problem.knots_per_phase, robot.leg_names, problem.dimension, problem.nb, problem.nw),
     }

@@ -163,8 +163,9 @@ class _Growth:
         near = method.centre(task, start.point, start.cost, BARRIER, ITERATIONS)
         if near.converged:
             optimum = method.follow(task, near.point, start.cost, BARRIER, ITERATIONS)
-            found: Node | None = Node(optimum.cost, _scaled(near.point, start.cost / optimum.cost))
-            if not optimum.converged or not self._feasible(gait, task, optimum):
+            if optimum.converged and optimum.cost > 0 and self._feasible(gait, task, optimum):
+                found: Node | None = Node(optimum.cost, _scaled(near.point, start.cost / optimum.cost))
+            else:
                 found = self._by_ipopt(gait, task, Node(start.cost, near.point))
         elif self.best.get(place, np.inf) > COMPETITIVE * start.cost:  # worth more effort: nothing else is as cheap
             found = self._by_ipopt(gait, task, start)

@@ -78,7 +78,7 @@ class GaitMap:
         """
         speed, cycle_duration = _finite("speed", speed), _finite("cycle_duration", cycle_duration)
         inside = self._manifest.domain.contains(speed, cycle_duration)
-        if not inside and not beyond:
+        if not inside and (not beyond or cycle_duration <= 0):
             return Choice(speed, cycle_duration, False, None, None, 0.0, (), self._warm_start, self._distance)
         probabilities = self._probabilities(speed, cycle_duration)
         names = self._names

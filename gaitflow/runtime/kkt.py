@@ -18,7 +18,7 @@ from gaitflow.runtime.point import GaitSpace
 from gaitflow.runtime.program import Program
 from gaitflow.trajectory import Array
 
-DUAL = 1e-10  # -d: keeps the matrix factorisable where the rows of a periodic motion depend on each other
+DUAL = 1e-8  # -d: keeps multipliers from running away where the rows of a periodic motion depend on each other
 PRIMAL = 1e-6  # added to H's diagonal: J1 does not see positions, and its H alone has no inverse
 CORRECTIONS = 4
 
@@ -61,7 +61,7 @@ class Kkt:
                 return self._solver.solve(right)
             values[lifted] += 99 * lift
             lift *= 100
-        raise NotFactorised(f"no factorisation with {lift:g} on the diagonal")
+        raise NotFactorised(f"no factorisation with {lift / 100:g} on the diagonal")
 
     def _entries(self) -> tuple[Places, Places]:
         """Rows and columns of all entries, upper triangle: of H, of J^T, and of the whole diagonal."""

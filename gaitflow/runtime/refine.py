@@ -114,7 +114,9 @@ class Refiner:
         task, space = np.array([speed, cycle_duration]), self._space(candidate)
         first = next(self._tries(candidate, space, task))
         run = _Run(candidate, task, started, time.perf_counter())
-        for primal, bounds, rows in (space.join(first.start, first.unit), self._tensors.mean(candidate.gait)):
+        mean = self._tensors.mean(candidate.gait)
+        starts = [mean] if candidate.sheet is None else [space.join(first.start, first.unit), mean]
+        for primal, bounds, rows in starts:
             answer = self._problem.ipopt(space, task, primal, bounds, rows)
             run.iterations += answer.iterations
             attempt = self._judged(run, answer.w, self._problem.cost(answer.w, task), answer.status, FALLBACK)

@@ -118,10 +118,15 @@ def test_beyond_says_the_same_inside(gait_map: GaitMap) -> None:
 @pytest.mark.parametrize("far", [1e30, 1e300, -1e300])
 @pytest.mark.filterwarnings("error")
 def test_however_far_beyond_probabilities_stay_numbers(gait_map: GaitMap, far: float) -> None:
-    for task in ((far, 0.6), (0.9, far)):
+    for task in ((far, 0.6), (0.9, abs(far))):
         choice = gait_map.select(*task, beyond=True)
         assert sum(probability for _, probability in choice.ranked) == pytest.approx(1, abs=1e-6)
         assert choice.distance > 1e29
+
+
+def test_no_cycle_lasts_nothing(gait_map: GaitMap) -> None:
+    choice = gait_map.select(0.9, 0.0, beyond=True)
+    assert (choice.gait, choice.warm_start, choice.in_domain) == (None, None, False)
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf, "0.9", None, True, 1j, [0.9], np.nan, 10**400])
