@@ -14,6 +14,7 @@ try:
     from gaitflow.cli_cluster import cancel, doctor, submit
     from gaitflow.cli_compact import compact
     from gaitflow.cli_errors import bad_input, fail, print_json
+    from gaitflow.cli_export import export
     from gaitflow.cli_robot import robot
     from gaitflow.cli_show import show
     from gaitflow.config import ConfigError
@@ -385,6 +386,7 @@ main.add_command(compact)
 main.add_command(cancel)
 main.add_command(doctor)
 main.add_command(bench)
+main.add_command(export)
 main.add_command(robot)
 main.add_command(show)
 main.add_command(submit)

@@ -30,6 +30,7 @@ EXTRAS = {
     "solve/": ("solve",),
     "dataset/": ("solve", "workflow"),
     "execute/": ("solve", "workflow"),
+    "export/": ("solve", "learn"),
     "learn/": ("solve", "learn"),
     "report/": ("solve", "workflow", "report"),
     "robots/": ("robots",),

@@ -1,0 +1,120 @@
+// Asks an exported map about tasks: lines "speed cycle_duration" (m/s, s) in, a JSON object a line out.
+//
+// Beside the gait and its warm start it evaluates the map's own problem there: the cost, the constraint rows, and the
+// largest component of the Lagrangian's gradient over the variables that the gait leaves free. An optimiser of yours is
+// given these functions, the bounds in `WarmStart::space`, and the warm start.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+
+#include "function.hpp"
+#include "gait_map.hpp"
+#include "map.h"
+#include "trajectory.hpp"
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double microseconds(Clock::time_point from, Clock::time_point to) {
+  return std::chrono::duration<double, std::micro>(to - from).count();
+}
+
+void print(const char* name, double value) { std::printf(", \"%s\": %.17g", name, value); }
+
+void print(const char* name, const gaitflow::Vector& values) {
+  std::printf(", \"%s\": [", name);
+  for (std::size_t i = 0; i < values.size(); ++i) std::printf(i == 0 ? "%.17g" : ", %.17g", values[i]);
+  std::printf("]");
+}
+
+class Problem {
+ public:
+  explicit Problem(const gaitflow::Layout& layout)
+      : value_(GAITFLOW_FUNCTION(gaitflow_problem)),
+        gradient_(GAITFLOW_FUNCTION(gaitflow_gradient)),
+        jacobian_(GAITFLOW_FUNCTION(gaitflow_jacobian)) {
+    if (value_.input_size(0) != layout.variables() || value_.result(1).size() != layout.rows)
+      throw std::runtime_error("map.bin and problem.c are of different exports; export the map again");
+  }
+
+  void print_at(const gaitflow::WarmStart& start, const double* task) {
+    value_({start.primal.data(), task});
+    print("cost", value_.result(0)[0]);
+    print("rows", value_.result(1));
+    print("stationarity", stationarity(start, task));
+  }
+
+ private:
+  double stationarity(const gaitflow::WarmStart& start, const double* task) {
+    gradient_({start.primal.data(), task});
+    jacobian_({start.primal.data(), task});
+    gaitflow::Vector total = gradient_.result(0);
+    for (std::size_t i = 0; i < total.size(); ++i) total[i] += start.multipliers_bounds[i];
+    const gaitflow::Places& places = jacobian_.places(0);
+    for (std::size_t k = 0; k < places.size(); ++k)
+      total[places[k].second] += jacobian_.result(0)[k] * start.multipliers_rows[places[k].first];
+    double most = 0;
+    for (const std::size_t i : start.space->free) most = std::max(most, std::abs(total[i]));
+    return most;
+  }
+
+  gaitflow::Function value_, gradient_, jacobian_;
+};
+
+void answer_all(const gaitflow::GaitMap& map) {
+  Problem problem(map.layout());
+  double task[2], select_us = 0, start_us = 0;
+  std::size_t tasks = 0, starts = 0;
+  for (; std::cin >> task[0] >> task[1]; ++tasks) {
+    const Clock::time_point asked = Clock::now();
+    const gaitflow::Choice choice = map.select(task[0], task[1]);
+    const Clock::time_point selected = Clock::now();
+    select_us += microseconds(asked, selected);
+    std::printf("{\"in_domain\": %s", choice.in_domain ? "true" : "false");
+    print("speed", task[0]);
+    print("cycle_duration", task[1]);
+    if (choice.gait) {
+      const Clock::time_point chosen = Clock::now();
+      const gaitflow::WarmStart start = map.warm_start(*choice.gait, task[0], task[1]);
+      start_us += microseconds(chosen, Clock::now());
+      ++starts;
+      std::printf(", \"gait\": \"%s\", \"pattern\": \"%s\"", choice.gait->name.c_str(), start.pattern->c_str());
+      print("probability", choice.probability);
+      print("probabilities", gaitflow::Vector(choice.probabilities.begin(), choice.probabilities.end()));
+      print("primal", start.primal);
+      print("multipliers_bounds", start.multipliers_bounds);
+      print("multipliers_rows", start.multipliers_rows);
+      const gaitflow::Trajectory motion = gaitflow::unpack(map.layout(), start.primal, task[1]);
+      print("times", motion.times);
+      print("feet", motion.feet);
+      problem.print_at(start, task);
+    }
+    std::printf("}\n");
+  }
+  if (!std::cin.eof()) throw std::runtime_error("line " + std::to_string(tasks + 1) + ": write two numbers, m/s and s");
+  std::fprintf(stderr, "%zu tasks, %.1f us a select; %zu warm starts, %.1f us each\n", tasks,
+               tasks ? select_us / static_cast<double>(tasks) : 0.0, starts,
+               starts ? start_us / static_cast<double>(starts) : 0.0);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: %s MAP.BIN < TASKS\n", argv[0]);
+    return 2;
+  }
+  try {
+    answer_all(gaitflow::GaitMap(argv[1]));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

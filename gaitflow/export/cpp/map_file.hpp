@@ -1,0 +1,267 @@
+// Reads map.bin, what `gaitflow export --c` writes: docs/other-languages.md describes it byte by byte.
+//
+// The file is untrusted: sizes are checked before memory is taken, the checksum before a number is believed, and every
+// index before it is used. Whatever is wrong is a MapError that names the file.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "map_data.hpp"
+
+namespace gaitflow {
+
+struct MapError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+namespace detail {
+
+constexpr std::size_t start_size = 56, checked_from = 16, most_bytes = std::size_t{1} << 30;
+constexpr std::uint32_t known_format = 1;
+
+// CRC-32 as in zlib and PNG.
+inline std::uint32_t crc32(const unsigned char* bytes, std::size_t count) {
+  std::array<std::uint32_t, 256> table{};
+  for (std::uint32_t i = 0; i < 256; ++i) {
+    std::uint32_t value = i;
+    for (int bit = 0; bit < 8; ++bit) value = (value >> 1) ^ ((value & 1u) ? 0xEDB88320u : 0u);
+    table[i] = value;
+  }
+  std::uint32_t crc = 0xFFFFFFFFu;
+  for (std::size_t i = 0; i < count; ++i) crc = (crc >> 8) ^ table[(crc ^ bytes[i]) & 0xFFu];
+  return crc ^ 0xFFFFFFFFu;
+}
+
+// Takes items off the file in order; each begins at a multiple of 8 bytes.
+class Cursor {
+ public:
+  Cursor(const std::string& path, const std::vector<unsigned char>& bytes) : path_(path), bytes_(bytes) {}
+
+  [[noreturn]] void refuse(const std::string& fault) const {
+    throw MapError(path_ + ": " + fault + "; export the map again");
+  }
+
+  void require(bool holds, const char* fault) const {
+    if (!holds) refuse(fault);
+  }
+
+  template <class Number>
+  std::vector<Number> array(std::size_t count) {
+    if (count > (bytes_.size() - at_) / sizeof(Number)) refuse("an array is longer than the file");
+    std::vector<Number> values(count);
+    const std::size_t size = count * sizeof(Number);
+    if (size != 0) std::memcpy(values.data(), bytes_.data() + at_, size);
+    const std::size_t padded = size + (8 - size % 8) % 8;
+    if (padded > bytes_.size() - at_) refuse("an array is longer than the file");
+    at_ += padded;
+    return values;
+  }
+
+  template <class Number>
+  std::vector<Number> finite(std::size_t count) {
+    std::vector<Number> values = array<Number>(count);
+    for (const Number value : values) require(std::isfinite(value), "a number is not finite");
+    return values;
+  }
+
+  // A number of things of which the file has room for one byte each, at least.
+  std::size_t count(std::size_t least, std::size_t most, const char* fault) {
+    const std::uint64_t value = array<std::uint64_t>(1)[0];
+    require(least <= value && value <= most, fault);
+    return static_cast<std::size_t>(value);
+  }
+
+  std::string text() {
+    const std::vector<char> letters = array<char>(count(0, 100000, "a text is too long"));
+    return std::string(letters.begin(), letters.end());
+  }
+
+  Vector axis(std::size_t size) {
+    Vector values = finite<double>(size);
+    for (std::size_t i = 1; i < size; ++i) require(values[i - 1] < values[i], "an axis does not rise");
+    return values;
+  }
+
+  bool ended() const { return at_ == bytes_.size(); }
+
+ private:
+  const std::string& path_;
+  const std::vector<unsigned char>& bytes_;
+  std::size_t at_ = start_size;
+};
+
+inline Space read_space(Cursor& file, const Layout& layout) {
+  Space space;
+  space.lower = file.array<double>(layout.variables());
+  space.upper = file.array<double>(layout.variables());
+  space.lower_rows = file.array<double>(layout.rows);
+  space.upper_rows = file.array<double>(layout.rows);
+  const auto bound = [&space](std::size_t place, double low, double high) {
+    if (std::isfinite(low)) space.below.push_back(place);
+    if (std::isfinite(high)) space.above.push_back(place);
+  };
+  for (std::size_t i = 0; i < space.lower.size(); ++i) {
+    file.require(space.lower[i] <= space.upper[i], "a bound below lies above the one above");
+    if (space.lower[i] == space.upper[i]) continue;
+    bound(space.free.size(), space.lower[i], space.upper[i]);
+    space.free.push_back(i);
+  }
+  for (std::size_t i = 0; i < space.lower_rows.size(); ++i) {
+    const double low = space.lower_rows[i], high = space.upper_rows[i];
+    file.require(low <= high, "a bound below lies above the one above");
+    if (low == high) {
+      space.equal.push_back(i);
+    } else if (std::isfinite(low) || std::isfinite(high)) {
+      bound(space.free.size() + space.unequal.size(), low, high);
+      space.unequal.push_back(i);
+    }
+  }
+  return space;
+}
+
+inline Layout read_layout(Cursor& file) {
+  const char* fault = "the layout of the decision vector is not one";
+  Layout layout;
+  layout.phases = file.count(1, 64, fault);
+  layout.knots_per_phase = file.count(1, 1000, fault);
+  layout.legs.resize(file.count(1, 8, fault));
+  layout.dimension = file.count(2, 3, fault);
+  layout.base = file.count(1, 100, fault);
+  layout.rows = file.count(1, 10000000, fault);
+  for (std::string& leg : layout.legs) leg = file.text();
+  layout.scale = file.finite<double>(layout.variables());
+  return layout;
+}
+
+inline void read_network(Cursor& file, MapFile& map) {
+  const std::size_t layers = file.count(1, 100, "the classifier has no layers, or too many");
+  for (std::size_t i = 0; i < layers; ++i) {
+    Layer layer;
+    layer.outputs = file.count(1, 100000, "a layer of the classifier is empty or too large");
+    layer.inputs = file.count(1, 100000, "a layer of the classifier is empty or too large");
+    const std::size_t inputs = i == 0 ? 2 : map.layers.back().outputs;
+    file.require(layer.inputs == inputs, "the layers of the classifier do not fit together");
+    layer.weights = file.finite<float>(layer.outputs * layer.inputs);
+    layer.biases = file.finite<float>(layer.outputs);
+    map.layers.push_back(std::move(layer));
+  }
+  map.temperature = file.finite<float>(1)[0];
+  file.require(map.temperature > 0, "the classifier's temperature is not positive");
+}
+
+inline void read_gaits(Cursor& file, MapFile& map) {
+  const std::size_t gaits = file.count(1, 4096, "there are no gaits, or too many");
+  file.require(map.layers.back().outputs == gaits, "the classifier has other gaits than the map");
+  for (std::size_t i = 0; i < gaits; ++i) {
+    Gait gait;
+    gait.name = file.text();
+    gait.key = file.text();
+    gait.pattern = file.text();
+    gait.primal = file.finite<double>(map.layout.variables());
+    gait.multipliers_bounds = file.finite<double>(map.layout.variables());
+    gait.multipliers_rows = file.finite<double>(map.layout.rows);
+    gait.space = read_space(file, map.layout);
+    map.gaits.push_back(std::move(gait));
+  }
+}
+
+inline Sheet read_sheet(Cursor& file, const MapFile& map) {
+  const std::size_t rows = map.atlas_speeds.size(), columns = map.atlas_cycle_durations.size();
+  Sheet sheet;
+  sheet.gait = file.count(0, map.gaits.size() - 1, "a sheet of the atlas has a gait that the map has not");
+  sheet.pattern = file.text();
+  sheet.space = read_space(file, map.layout);
+  const std::size_t nodes = file.count(0, rows * columns, "a sheet of the atlas has too many nodes");
+  sheet.mode_count = file.count(0, 512, "a sheet of the atlas has too many modes");
+  const std::size_t size = file.count(0, 100000000, "a sheet of the atlas is too large");
+  file.require(size == sheet.space.encoded(), "a sheet of the atlas does not fit its pattern");
+  sheet.tear = file.finite<double>(1)[0];
+  sheet.places = file.array<std::uint32_t>(nodes * 2);
+  sheet.log_costs = file.finite<double>(nodes);
+  sheet.mean = file.finite<float>(size);
+  sheet.modes = file.finite<float>(sheet.mode_count * size);
+  sheet.coordinates = file.finite<float>(nodes * sheet.mode_count);
+  sheet.node_at.assign(rows * columns, -1);
+  for (std::size_t node = 0; node < nodes; ++node) {
+    const std::size_t i = sheet.places[2 * node], j = sheet.places[2 * node + 1];
+    file.require(i < rows && j < columns, "a node of the atlas lies off its tasks");
+    std::int32_t& number = sheet.node_at[i * columns + j];
+    file.require(number < 0, "two nodes of a sheet lie at one task");
+    number = static_cast<std::int32_t>(node);
+    file.require(sheet.log_costs[node] > 0, "a cost is not positive");
+    sheet.log_costs[node] = std::log(sheet.log_costs[node]);
+  }
+  return sheet;
+}
+
+inline void read_atlas(Cursor& file, MapFile& map) {
+  const std::size_t speeds = file.count(2, 2000, "an axis of the atlas is too short or too long");
+  const std::size_t cycles = file.count(2, 2000, "an axis of the atlas is too short or too long");
+  map.atlas_speeds = file.axis(speeds);
+  map.atlas_cycle_durations = file.axis(cycles);
+  map.barrier = file.finite<double>(1)[0];
+  const std::size_t sheets = file.count(0, 4000000 / (speeds * cycles), "the atlas has too many sheets");
+  for (std::size_t i = 0; i < sheets; ++i) map.sheets.push_back(read_sheet(file, map));
+}
+
+inline std::vector<unsigned char> read_bytes(const std::string& path) {
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const std::streamoff size = file ? static_cast<std::streamoff>(file.tellg()) : -1;
+  if (size < 0) throw MapError(path + ": cannot be read; give the map.bin that `gaitflow export --c` wrote");
+  if (size < static_cast<std::streamoff>(start_size) || size > static_cast<std::streamoff>(most_bytes))
+    throw MapError(path + ": " + std::to_string(size) + " bytes; this is no map.bin");
+  std::vector<unsigned char> bytes(static_cast<std::size_t>(size));
+  file.seekg(0);
+  if (!file.read(reinterpret_cast<char*>(bytes.data()), size)) throw MapError(path + ": cannot be read to its end");
+  return bytes;
+}
+
+}  // namespace detail
+
+// The whole of map.bin, checked. Throws MapError.
+inline MapFile read_map(const std::string& path) {
+  const std::uint16_t one = 1;
+  unsigned char first;
+  std::memcpy(&first, &one, 1);
+  if (first != 1) throw MapError(path + ": is little-endian, this machine is not; the reader would have to swap bytes");
+  const std::vector<unsigned char> bytes = detail::read_bytes(path);
+  detail::Cursor file(path, bytes);
+  std::uint32_t format, crc;
+  std::uint64_t size;
+  std::memcpy(&format, bytes.data() + 8, 4);
+  std::memcpy(&crc, bytes.data() + 12, 4);
+  std::memcpy(&size, bytes.data() + 16, 8);
+  if (std::memcmp(bytes.data(), "gaitmap\n", 8) != 0) file.refuse("this is no map.bin");
+  if (format != detail::known_format)
+    file.refuse("has format " + std::to_string(format) + ", this reader knows format 1; take the reader beside it");
+  if (size != bytes.size())
+    file.refuse(std::to_string(bytes.size()) + " bytes, but it should have " + std::to_string(size));
+  if (crc != detail::crc32(bytes.data() + detail::checked_from, bytes.size() - detail::checked_from))
+    file.refuse("its checksum is wrong: it is damaged");
+  MapFile map;
+  std::memcpy(map.manifest_sha256.data(), bytes.data() + 24, 32);
+  map.scenario = file.text();
+  map.version = file.text();
+  const std::size_t speeds = file.count(1, 10000, "an axis of the domain is empty or too long");
+  const std::size_t cycles = file.count(1, 10000, "an axis of the domain is empty or too long");
+  map.speeds = file.axis(speeds);
+  map.cycle_durations = file.axis(cycles);
+  map.feasible = file.array<unsigned char>(speeds * cycles);
+  map.layout = detail::read_layout(file);
+  detail::read_network(file, map);
+  detail::read_gaits(file, map);
+  detail::read_atlas(file, map);
+  if (!file.ended()) file.refuse("something follows after its end");
+  return map;
+}
+
+}  // namespace gaitflow

@@ -1,0 +1,74 @@
+"""The map's problem and its derivatives as C, by CasADi's code generator."""
+
+from __future__ import annotations
+
+import re
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import casadi
+
+from gaitflow.runtime.program import derivatives
+
+# What each file holds. One function for all derivatives would take a compiler minutes and gigabytes in space.
+FILES = {"problem": ("problem", "gradient"), "jacobian": ("jacobian",), "hessian": ("hessian",)}
+
+
+def c_files(problem: Any, scenario: str) -> dict[str, bytes]:
+    """Sources and headers by name; `problem` is the artifact's (w [nw], task [2]) -> (cost, rows [ng]).
+
+    Each function's name begins with the scenario's, so that a planner may link several maps; map.h declares all of
+    them and gives them names that every map has. Equal problems give equal files.
+    """
+    prefix = identifier(scenario)
+    functions = _functions(problem, prefix)
+    files = {"map.h": _shared_names(prefix)}
+    for name, held in FILES.items():
+        files |= _generated(name, prefix, [functions[each] for each in held])
+    return {name: text.encode() for name, text in files.items()}
+
+
+def identifier(scenario: str) -> str:
+    """A scenario's name as the begin of a C name that CasADi takes, too."""
+    words = re.sub(r"[^A-Za-z0-9]+", "_", scenario).strip("_")
+    return words if words[:1].isalpha() else f"map_{words}".rstrip("_")
+
+
+def _functions(problem: Any, prefix: str) -> dict[str, Any]:
+    """By name: the functions of (w, task), the Hessian's of (w, task, multipliers)."""
+    sizes = {"w": problem.numel_in(0), "task": 2, "multipliers": problem.numel_out(1)}
+    w, task, multipliers = (casadi.SX.sym(name, size) for name, size in sizes.items())
+    cost, rows, gradient, jacobian, hessian = derivatives(problem)(w, task, multipliers)
+    primal, names = [w, task], ["w", "task"]
+    results = {
+        "problem": (primal, [cost, rows], names, ["cost", "rows"]),
+        "gradient": (primal, [gradient], names, ["gradient"]),
+        "jacobian": (primal, [jacobian], names, ["jacobian"]),
+        "hessian": ([*primal, multipliers], [hessian], [*names, "multipliers"], ["hessian"]),
+    }
+    return {name: casadi.Function(f"{prefix}_{name}", *each, {"cse": True}) for name, each in results.items()}
+
+
+def _generated(name: str, prefix: str, functions: Sequence[Any]) -> dict[str, str]:
+    # The generator derives the names of helpers from the file's, and writes the header only to a folder.
+    generator = casadi.CodeGenerator(f"{prefix}_{name}.c", {"with_header": True})
+    for function in functions:
+        generator.add(function)
+    with tempfile.TemporaryDirectory() as folder:
+        generator.generate(f"{folder}/")
+        return {
+            f"{name}{suffix}": Path(folder, f"{prefix}_{name}{suffix}").read_text(encoding="ascii")
+            for suffix in (".c", ".h")
+        }
+
+
+def _shared_names(prefix: str) -> str:
+    includes = "".join(f'#include "{name}.h"\n' for name in FILES)
+    names = [each for held in FILES.values() for each in held]
+    aliases = "".join(f"#define gaitflow_{name} {prefix}_{name}\n" for name in names)
+    return (
+        f"/* The functions of {prefix}, and names for code that is built against one map, whichever it is. */\n"
+        f"{includes}\n{aliases}"
+    )

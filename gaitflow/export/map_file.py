@@ -1,0 +1,114 @@
+"""map.bin: all of a map but its problem, as one little-endian file that any language reads in order.
+
+docs/other-languages.md describes it byte by byte; gaitflow/export/cpp/map_file.hpp reads it.
+"""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Iterator, Sequence
+from itertools import chain
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitflow.export.network import Network
+from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.domain import Domain
+from gaitflow.runtime.layout import Layout
+from gaitflow.runtime.manifest import Manifest
+from gaitflow.runtime.point import GaitSpace
+from gaitflow.runtime.tensors import GaitTensors
+from gaitflow.trajectory import Array
+
+MAGIC = b"gaitmap\n"
+FORMAT = 1
+ALIGNMENT = 8
+_START = struct.Struct("<8sIIQ32s")  # magic, format, CRC-32 of all from byte 16 on, size of the file, digest
+
+
+def map_bytes(manifest: Manifest, digest: bytes, network: Network, tensors: GaitTensors, atlas: Atlas) -> bytes:
+    """The file's content; `digest` [32] is the SHA-256 of manifest.json. Equal maps give equal bytes."""
+    items = chain(
+        [_text(manifest.name), _text(str(manifest.version))],
+        _domain(manifest.domain),
+        _layout(manifest.layout, tensors.scale),
+        _network(network),
+        _gaits(manifest, tensors),
+        _atlas(atlas),
+    )
+    body = b"".join(items)
+    size = _START.size + len(body)
+    checked = _START.pack(MAGIC, FORMAT, 0, size, digest)[16:] + body
+    return _START.pack(MAGIC, FORMAT, zlib.crc32(checked), size, digest) + body
+
+
+def _domain(domain: Domain) -> Iterator[bytes]:
+    yield _counts(len(domain.speeds), len(domain.cycle_durations))
+    yield _array(domain.speeds, "<f8")
+    yield _array(domain.cycle_durations, "<f8")
+    yield _array(domain.feasible, "u1")
+
+
+def _layout(layout: Layout, scale: Array) -> Iterator[bytes]:
+    yield _counts(layout.phases, layout.knots_per_phase, len(layout.legs), layout.dimension, layout.base, layout.rows)
+    yield from map(_text, layout.legs)
+    yield _array(scale, "<f8")
+
+
+def _network(network: Network) -> Iterator[bytes]:
+    yield _counts(len(network.layers))
+    for layer in network.layers:
+        yield _counts(*layer.weights.shape)
+        yield _array(layer.weights.T, "<f4")  # so that the inner loop's sums are independent: four times as fast
+        yield _array(layer.biases, "<f4")
+    yield _array([network.temperature], "<f4")
+
+
+def _gaits(manifest: Manifest, tensors: GaitTensors) -> Iterator[bytes]:
+    yield _counts(len(manifest.gaits))
+    for index, gait in enumerate(manifest.gaits):
+        yield from map(_text, (gait.name, gait.key, gait.pattern))
+        yield from (_array(vector, "<f8") for vector in tensors.mean(index))
+        yield from _space(tensors.space(index))
+
+
+def _atlas(atlas: Atlas) -> Iterator[bytes]:
+    yield _counts(len(atlas.speeds), len(atlas.cycle_durations))
+    yield _array(atlas.speeds, "<f8")
+    yield _array(atlas.cycle_durations, "<f8")
+    yield _array([atlas.barrier], "<f8")
+    yield _counts(len(atlas.sheets))
+    for sheet in atlas.sheets:
+        yield _counts(sheet.gait)
+        yield _text(sheet.pattern)
+        yield from _space(sheet.space)
+        yield _counts(len(sheet.places), *sheet.modes.shape)
+        yield _array([sheet.tear], "<f8")
+        yield _array(sheet.places, "<u4")
+        yield _array(sheet.costs, "<f8")
+        yield _array(sheet.mean, "<f4")
+        yield _array(sheet.modes, "<f4")
+        yield _array(sheet.coordinates, "<f4")
+
+
+def _space(space: GaitSpace) -> Iterator[bytes]:
+    return (_array(each, "<f8") for each in (space.lower, space.upper, space.lower_rows, space.upper_rows))
+
+
+def _counts(*numbers: int) -> bytes:
+    return struct.pack(f"<{len(numbers)}Q", *numbers)
+
+
+def _text(text: str) -> bytes:
+    content = text.encode()
+    return _counts(len(content)) + _padded(content)
+
+
+def _array(values: Sequence[object] | NDArray[np.generic], kind: str) -> bytes:
+    return _padded(np.ascontiguousarray(values, dtype=kind).tobytes())
+
+
+def _padded(content: bytes) -> bytes:
+    return content + bytes(-len(content) % ALIGNMENT)

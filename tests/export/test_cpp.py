@@ -1,0 +1,242 @@
+"""The C++ reader and the C functions give what Python gives; needs cc, g++ and make (apt-get install g++ make)."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import struct
+import subprocess
+import zlib
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import casadi
+import numpy as np
+import pytest
+
+from gaitflow.export import Exported
+from gaitflow.export.functions import c_files
+from gaitflow.export.map_file import MAGIC
+from gaitflow.runtime import GaitMap
+from gaitflow.runtime.gait_map import load_atlas
+from gaitflow.runtime.problem import load_problem
+from gaitflow.runtime.program import Program, derivatives
+
+pytestmark = pytest.mark.slow
+SANITIZED = "-O1 -g -Wall -Wextra -Werror -fsanitize=address,undefined -fno-sanitize-recover=all"
+
+
+def built(checkout: Path, export: Path, build: Path, flags: str = "") -> Path:
+    for tool in ("make", "cc", "g++"):
+        assert shutil.which(tool), f"{tool} is missing, so the export cannot be tested: apt-get install g++ make"
+    command = ["make", "-C", str(checkout / "examples/cpp"), f"EXPORT={export}", f"BUILD={build}", "CC=cc", "CXX=g++"]
+    if flags:
+        command.append(f"CXXFLAGS={flags}")
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return build / "ask"
+
+
+def run(program: Path, map_file: Path, text: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([str(program), str(map_file)], input=text, capture_output=True, text=True, check=False)
+
+
+def lines(tasks: Iterable[tuple[float, float]]) -> str:
+    return "".join(f"{float(v)!r} {float(t)!r}\n" for v, t in tasks)
+
+
+@pytest.fixture(scope="module")
+def ask(checkout: Path, exported: Exported, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return built(checkout, exported.folder, tmp_path_factory.mktemp("build"))
+
+
+@pytest.fixture(scope="module")
+def guarded(checkout: Path, exported: Exported, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The example with the address and undefined-behaviour sanitizers in its C++ part."""
+    return built(checkout, exported.folder, tmp_path_factory.mktemp("guarded"), SANITIZED)
+
+
+def tasks_of(gait_map: GaitMap, model: Path) -> list[tuple[float, float]]:
+    """1,000 random tasks, a third of them outside the domain, and those where comparisons are closest."""
+    random, domain = np.random.default_rng(0), gait_map.manifest.domain
+    axes = (
+        np.array([domain.speeds[0], domain.speeds[-1]]),
+        np.array([domain.cycle_durations[0], domain.cycle_durations[-1]]),
+    )
+    wide = [(axis[0] - 0.1 * np.ptp(axis), axis[1] + 0.1 * np.ptp(axis)) for axis in axes]
+    scattered = [(random.uniform(*wide[0]), random.uniform(*wide[1])) for _ in range(1000)]
+    atlas = load_atlas(model, gait_map.manifest)
+    speeds, cycles = (
+        np.union1d(axis, (axis[1:] + axis[:-1]) / 2) for axis in map(np.array, (atlas.speeds, atlas.cycle_durations))
+    )
+    nodes = [(v, t) for v in speeds for t in cycles]
+    edges = [
+        (v + shift, t - shift)
+        for v in domain.speeds
+        for t in domain.cycle_durations
+        for shift in (0, 5e-10, 2e-9, -2e-9)
+    ]
+    return [(float(v), float(t)) for v, t in scattered + nodes + edges]
+
+
+@pytest.mark.parametrize("which", ["exported", "crowded_export"])
+def test_the_example_answers_as_python_does(ask: Path, which: str, request: pytest.FixtureRequest) -> None:
+    export: Exported = request.getfixturevalue(which)
+    gait_map = GaitMap.load(export.model)
+    problem = load_problem(export.model, gait_map.manifest)
+    program = Program(derivatives(problem))
+    tasks = tasks_of(gait_map, export.model)
+    answers = run(ask, export.folder / "map.bin", lines(tasks))
+    assert answers.returncode == 0, answers.stderr
+    found = [json.loads(line) for line in answers.stdout.splitlines()]
+    predicted = 0
+    for (speed, cycle), answer in zip(tasks, found, strict=True):
+        choice = gait_map.select(speed, cycle)
+        assert (answer["speed"], answer["cycle_duration"], answer["in_domain"]) == (speed, cycle, choice.in_domain)
+        if choice.gait is None:
+            assert "gait" not in answer
+            continue
+        assert answer["gait"] == choice.gait, (speed, cycle, choice.ranked)
+        probabilities = [dict(choice.ranked)[gait.name] for gait in gait_map.gaits]
+        np.testing.assert_allclose(answer["probabilities"], probabilities, atol=1e-5)
+        predicted += check_start(answer, gait_map, choice.warm_start, problem, program)
+    inside = sum(answer["in_domain"] for answer in found[:1000])
+    assert 300 < inside < 900, "the random tasks are inside and outside"
+    assert predicted > 300, "most warm starts come from the atlas"
+    assert len({answer.get("gait") for answer in found}) == 3
+
+
+def check_start(answer: dict[str, Any], gait_map: GaitMap, start: Any, problem: Any, program: Program) -> bool:
+    assert answer["pattern"] == start.pattern
+    for name in ("primal", "multipliers_bounds", "multipliers_rows"):
+        expected = getattr(start, name)
+        np.testing.assert_allclose(answer[name], expected, rtol=1e-9, atol=1e-12 * np.abs(expected).max())
+    np.testing.assert_allclose(answer["times"], start.times, rtol=1e-12)
+    np.testing.assert_allclose(answer["feet"], start.feet.ravel(), rtol=1e-9, atol=1e-12)
+    task = np.array([answer["speed"], answer["cycle_duration"]])
+    cost, rows = problem(answer["primal"], task)
+    np.testing.assert_allclose(answer["cost"], float(cost), rtol=1e-12)
+    np.testing.assert_allclose(answer["rows"], np.asarray(rows).ravel(), rtol=1e-12, atol=1e-12)
+    program.evaluate(start.primal, task, start.multipliers_rows)
+    total = program.gradient + start.multipliers_bounds
+    places, values = program.jacobian_places, program.jacobian
+    np.add.at(total, places[1], values * start.multipliers_rows[places[0]])
+    free = np.setdiff1d(np.arange(len(total)), fixed_by(gait_map, start.pattern))
+    assert answer["stationarity"] == pytest.approx(np.abs(total[free]).max(), rel=1e-6, abs=1e-9 * np.abs(total).max())
+    return not np.array_equal(start.primal, gait_map.mean_start(start.gait, float(task[1])).primal)
+
+
+def fixed_by(gait_map: GaitMap, pattern: str) -> np.ndarray:
+    index = [gait.pattern for gait in gait_map.gaits].index(pattern)
+    space = gait_map._tensors.space(index)
+    return np.flatnonzero(space.lower == space.upper)
+
+
+def test_the_functions_are_those_of_python_with_their_sparsity(exported: Exported, tmp_path: Path) -> None:
+    gait_map = GaitMap.load(exported.model)
+    library = shared(tmp_path, exported.folder)
+    problem = load_problem(exported.model, gait_map.manifest)
+    reference = derivatives(problem)
+    start = gait_map.select(0.9, 0.6).warm_start
+    assert start is not None
+    task = np.array([0.9, 0.6])
+    expected = reference(start.primal, task, start.multipliers_rows)
+    functions = {
+        name: casadi.external(f"quickstart_{name}", str(library)) for name in ("problem", "gradient", "jacobian")
+    }
+    hessian = casadi.external("quickstart_hessian", str(library))
+    found = [
+        *functions["problem"](start.primal, task),
+        *(functions[name](start.primal, task) for name in ("gradient", "jacobian")),
+    ]
+    found.append(hessian(start.primal, task, start.multipliers_rows))
+    for name, mine, theirs in zip(("cost", "rows", "gradient", "jacobian", "hessian"), found, expected, strict=True):
+        assert mine.sparsity() == theirs.sparsity(), name
+        assert np.abs(np.array(theirs.nonzeros())).max() > 0
+        np.testing.assert_allclose(mine.nonzeros(), theirs.nonzeros(), rtol=1e-12, atol=1e-12, err_msg=name)
+
+
+def shared(folder: Path, *exports: Path) -> Path:
+    """The C files of exports as one library."""
+    library = folder / "functions.so"
+    sources = [str(path) for export in exports for path in sorted(export.glob("*.c"))]
+    command = ["cc", "-O1", "-shared", "-fPIC", "-Wl,--no-undefined", "-o", str(library), *sources, "-lm"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return library
+
+
+def test_two_maps_link_into_one_program(exported: Exported, tmp_path: Path) -> None:
+    problem = load_problem(exported.model, GaitMap.load(exported.model).manifest)
+    other = tmp_path / "other"
+    other.mkdir()
+    for name, content in c_files(problem, "2d-other").items():
+        (other / name).write_bytes(content)
+    library = shared(tmp_path, exported.folder, other)
+    for name in ("quickstart_problem", "map_2d_other_problem"):
+        assert casadi.external(name, str(library)).numel_out(1) == problem.numel_out(1)
+
+
+def resealed(content: bytes) -> bytes:
+    """The file with the checksum and the size that its bytes should have."""
+    content = content[:16] + struct.pack("<Q", len(content)) + content[24:]
+    return content[:12] + struct.pack("<I", zlib.crc32(content[16:])) + content[16:]
+
+
+@pytest.mark.parametrize(
+    ("spoil", "says"),
+    [
+        (lambda content: content[:-1], "but it should have"),
+        (lambda content: content + b"\0" * 8, "but it should have"),
+        (lambda content: b"", "this is no map.bin"),
+        (lambda content: b"PK" + content[2:], "this is no map.bin"),
+        (lambda content: content[:2000] + bytes([content[2000] ^ 1]) + content[2001:], "its checksum is wrong"),
+        (lambda content: content[:30] + bytes([content[30] ^ 1]) + content[31:], "its checksum is wrong"),
+        (lambda content: content[:8] + struct.pack("<I", 2) + content[12:], "has format 2, this reader knows format 1"),
+        (lambda content: resealed(content + b"\0" * 8), "something follows after its end"),
+        (lambda content: resealed(content[:-8]), "longer than the file"),
+        (lambda content: resealed(content[:56] + struct.pack("<Q", 2**63) + content[64:]), "a text is too long"),
+    ],
+    ids=["short", "long", "empty", "other", "flipped", "digest", "newer", "more", "less", "huge text"],
+)  # fmt: skip
+def test_a_damaged_file_is_refused(guarded: Path, exported: Exported, tmp_path: Path, spoil: Any, says: str) -> None:
+    content = (exported.folder / "map.bin").read_bytes()
+    assert content.startswith(MAGIC) and resealed(content) == content
+    bad = tmp_path / "bad.bin"
+    bad.write_bytes(spoil(content))
+    answer = run(guarded, bad, "0.9 0.6\n")
+    assert answer.returncode == 1
+    assert says in answer.stderr and str(bad) in answer.stderr
+    assert not answer.stdout
+
+
+def test_a_file_that_lies_reads_no_foreign_memory(guarded: Path, exported: Exported, tmp_path: Path) -> None:
+    """Any number may be wrong in a file whose checksum is right: an error or an answer, never a fault."""
+    random, bad = np.random.default_rng(2), tmp_path / "bad.bin"
+    content = (exported.folder / "map.bin").read_bytes()
+    words = np.frombuffer(content, dtype="<u8")
+    counts = np.flatnonzero(words < 2**20)  # what could be a count, an index or a pattern
+    values = (0, 1, 2, 3, 255, 2**31, 2**32 + 1, 2**63, 2**64 - 1)
+    outcomes = set()
+    for _ in range(200):
+        spoilt = words.copy()
+        places = counts if random.random() < 0.7 else np.arange(7, len(words))
+        place = random.choice(places[places >= 7][:400] if random.random() < 0.5 else places[places >= 7])
+        spoilt[place] = random.choice(np.array(values, dtype=np.uint64))
+        bad.write_bytes(resealed(spoilt.tobytes()))
+        answer = run(guarded, bad, "0.9 0.6\n0.31 0.62\n")
+        assert answer.returncode in (0, 1) and "anitizer" not in answer.stderr, (place, answer.stderr)
+        outcomes.add(answer.returncode)
+    assert outcomes == {0, 1}
+
+
+def test_what_it_cannot_read_it_names(guarded: Path, exported: Exported, tmp_path: Path) -> None:
+    missing = run(guarded, tmp_path / "none.bin", "")
+    assert missing.returncode == 1 and "none.bin: cannot be read" in missing.stderr
+    for text in ("0.9 0.6\n0.9 fast\n", "0.9 0.6\nnan 0.6\n"):
+        odd = run(guarded, exported.folder / "map.bin", text)
+        assert odd.returncode == 1 and "line 2: write two numbers" in odd.stderr
+    assert len(odd.stdout.splitlines()) == 1
+    huge = run(guarded, exported.folder / "map.bin", "1e308 0.6\n-1e308 -0.0\n")
+    assert [json.loads(line)["in_domain"] for line in huge.stdout.splitlines()] == [False, False]
