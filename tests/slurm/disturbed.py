@@ -38,6 +38,7 @@ POOL_WITHIN_S = 150.0
 ENDS_WITHIN_S = 120.0
 LEAVES_WITHIN_S = 30.0  # Slurm's KillWait of 5 s, and what completing takes
 MOVING = ["wall_s", "cpu_s"]  # columns that no two runs have in common
+TICK_S = 0.02  # by which the clock of a file system may lag behind the process's
 
 
 @dataclass(frozen=True)
@@ -188,7 +189,7 @@ class Run:
     def row(self, fault: str, hit: Iterable[int], recovered_s: float | None) -> Row:
         """What the fault did that hit these solver processes."""
         victims, journal = set(hit), self.journal()
-        stored = {digest: self.store.path(digest).stat().st_mtime for digest in self.store.solved()}
+        stored = {digest: self.store.path(digest).stat().st_mtime + TICK_S for digest in self.store.solved()}
         kept = {entry.unit: solver_pid(entry) for entry in journal if entry.kept}
         begun = {entry.unit for entry in journal if entry.event == "start" and solver_pid(entry) in victims}
         return Row(
