@@ -11,16 +11,7 @@ from multiprocessing import resource_tracker
 import dask
 from distributed import Client, LocalCluster
 
-from gaitflow.execute.vanished import MOST_VANISHED
-
-SETTINGS = {
-    # A worker's death is no unit's fault. After so many of them the run asks the journal, which outlives the scheduler.
-    "distributed.scheduler.allowed-failures": MOST_VANISHED - 1,
-    # Nothing is served over HTTP.
-    "distributed.scheduler.http.routes": [],
-    "distributed.worker.http.routes": [],
-    "distributed.admin.tick.limit": "30s",
-}
+from gaitflow.execute.settings import SETTINGS
 
 
 @contextmanager

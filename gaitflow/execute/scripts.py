@@ -9,6 +9,7 @@ from pathlib import Path
 
 from gaitflow.execute.jobs import DRIVER, comment
 from gaitflow.execute.profile import Profile, lifetime
+from gaitflow.execute.settings import exports
 from gaitflow.execute.solver import ONE_THREAD
 from gaitflow.execute.tls import tls_files
 
@@ -22,7 +23,7 @@ _WORKER = """\
 #!/bin/bash
 {directives}
 {environment}
-export DASK_DISTRIBUTED__WORKER__HTTP__ROUTES='[]'
+{dask}
 {setup}exec {command}
 """
 
@@ -95,6 +96,7 @@ def worker_script(
     return _WORKER.format(
         directives="\n".join(f"#SBATCH {line}" for line in directives),
         environment=_environment(profile),
+        dask=exports(),
         setup=_lines(profile.setup),
         command=text,
     )

@@ -10,15 +10,10 @@ import dask
 from distributed import Client
 
 from gaitflow.execute.drivers import the_driver
-from gaitflow.execute.local import SETTINGS as LOCAL_SETTINGS
 from gaitflow.execute.pool import OnNote, WorkerPool
 from gaitflow.execute.profile import Profile
+from gaitflow.execute.settings import SLURM_SETTINGS
 from gaitflow.execute.tls import session_security
-
-SETTINGS = LOCAL_SETTINGS | {
-    "distributed.scheduler.worker-ttl": "2 minutes",  # a node without power says no goodbye
-    "distributed.deploy.lost-worker-timeout": "1 day",  # the pool sees to lost workers itself, at once
-}
 
 
 @contextmanager
@@ -37,7 +32,7 @@ def slurm_client(
     with (
         the_driver(run_folder),
         credentials as security,
-        dask.config.set(SETTINGS),
+        dask.config.set(SLURM_SETTINGS),
         WorkerPool(profile, run_folder, longest_unit_s, security, on_note) as pool,
         Client(pool) as client,
     ):
