@@ -96,17 +96,17 @@ class Atlas:
         with np.errstate(invalid="ignore", divide="ignore"):
             return np.exp((logs[near] * weights).sum(axis=(1, 2)) / share), share
 
-    def ranked(self, speed: float, cycle_duration: float) -> list[tuple[int, bool]]:
+    def ranked(self, speed: float, cycle_duration: float) -> list[int]:
         """The sheets with a node around a task, one for each gait; of equal ones the first.
 
-        First those whose cost rests on most of the nodes around, which is said with each, cheapest first, then the
-        others: where a gait lacks nodes it costs more than it seems, or has no motion.
+        First those whose cost rests on most of the nodes around, cheapest first, then the others: where a gait lacks
+        nodes it costs more than it seems, or has no motion.
         """
         costs, share = self.costs(speed, cycle_duration)
-        best: dict[int, tuple[int, bool]] = {}
+        best: dict[int, int] = {}
         for sheet in np.lexsort((costs, share < SUPPORT)).tolist():
             if share[sheet] > 0:
-                best.setdefault(self.sheets[sheet].gait, (sheet, bool(share[sheet] >= SUPPORT)))
+                best.setdefault(self.sheets[sheet].gait, sheet)
         return list(best.values())
 
     def predict(self, sheet: int, speed: float, cycle_duration: float) -> Prediction | None:

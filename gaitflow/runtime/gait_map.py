@@ -148,10 +148,9 @@ class GaitMap:
     def _candidates(self, probabilities: list[float], speed: float, cycle_duration: float) -> list[Candidate]:
         """Gaits of known cost, cheapest first, each by its cheapest sheet; then the others, likeliest first."""
         atlas = self._atlas()
-        ranked = atlas.ranked(speed, cycle_duration)
-        known = [Candidate(atlas.sheets[sheet].gait, sheet, certain) for sheet, certain in ranked]
+        known = [Candidate(atlas.sheets[sheet].gait, sheet) for sheet in atlas.ranked(speed, cycle_duration)]
         gaits = {each.gait for each in known}
-        return known + [Candidate(gait, None, False) for gait in _ranking(probabilities) if gait not in gaits]
+        return known + [Candidate(gait, None) for gait in _ranking(probabilities) if gait not in gaits]
 
     def _refiner(self) -> Refiner:
         refiner: Refiner | None = getattr(self._of_thread, "refiner", None)
@@ -173,7 +172,7 @@ class GaitMap:
 
     def _warm_start(self, gait: str, speed: float, cycle_duration: float) -> WarmStart:
         index, atlas = self._names.index(gait), self._atlas()
-        own = [sheet for sheet, _ in atlas.ranked(speed, cycle_duration) if atlas.sheets[sheet].gait == index]
+        own = [sheet for sheet in atlas.ranked(speed, cycle_duration) if atlas.sheets[sheet].gait == index]
         predicted = atlas.predict(own[0], speed, cycle_duration) if own else None
         if predicted is None:
             return self.mean_start(gait, cycle_duration)

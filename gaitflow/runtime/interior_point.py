@@ -23,9 +23,10 @@ DUAL = 1e-5  # largest error of the gradient, the cost being about 1
 GAP = 3e-6  # complementarity that a run heads for, over all bounds, relative to the cost
 CENTRED = 0.01  # relative deviation from the central path that `centre` leaves
 LARGEST_ROW = 1e4  # a row further off than this is a lost run
-NEAREST = 1e-300
+NEAREST = 1e-15  # of a distance to a bound, which rounding may make 0
 NEAR = 1e-2  # errors below which the barrier may fall
 LEAST_STIFFNESS = 1e-14
+STILL = 1e-3  # on H's diagonal once only rows are off: where the cost is flat nothing else holds a motion in place
 SHORT = 0.3  # a step shorter than this leads nowhere near a minimum, and the next one is corrected
 
 
@@ -66,13 +67,18 @@ class _Residual:
     def lost(self) -> bool:
         return not np.isfinite(self.row + self.dual) or self.row > LARGEST_ROW
 
+    @property
+    def optimal(self) -> bool:
+        """Nothing but rows is left to be done."""
+        return self.dual <= DUAL and bool(self.products.sum() <= 3 * GAP)
+
     def within(self, barrier: float | None) -> bool:
-        """Optimal, or with a barrier: on the central path at it."""
-        if not (self.row <= ROWS and self.dual <= DUAL):
+        """A solution, or with a barrier: on the central path at it."""
+        if self.row > ROWS:
             return False
         if barrier is None:
-            return bool(self.products.sum() <= 3 * GAP)
-        return bool(np.abs(self.products - barrier).max() <= CENTRED * barrier)
+            return self.optimal
+        return self.dual <= DUAL and bool(np.abs(self.products - barrier).max() <= CENTRED * barrier)
 
 
 class InteriorPoint:
@@ -148,7 +154,8 @@ class InteriorPoint:
         stiff = stiffness[free:] + LEAST_STIFFNESS
         right = -np.concatenate([force[:free], residual.rows])
         right[slacks:] -= force[free:] / stiff
-        step = self._kkt.solve(unit, stiffness[:free], 1 / stiff, right, correct)
+        hold = STILL if residual.optimal else 0.0
+        step = self._kkt.solve(unit, stiffness[:free] + hold, 1 / stiff, right, correct)
         moved = np.concatenate([step[:free], (step[slacks:] - force[free:]) / stiff])
         lower = np.where(below, (barrier - point.lower * moved) / to_lower - point.lower, 0.0)
         upper = np.where(above, (barrier + point.upper * moved) / to_upper - point.upper, 0.0)

@@ -36,7 +36,7 @@ class Kkt:
         self._program = program
         self._space = space
         self._build(*self._entries())
-        self._solver: Any = None
+        self._solver = self._ordered()
 
     def transposed_jacobian(self, multipliers: Array) -> Array:
         """J^T @ multipliers [nF] at the program's last point; multipliers [nE + nI], equality rows first."""
@@ -91,14 +91,18 @@ class Kkt:
         ends = np.cumsum([len(self._from_hessian), len(self._from_jacobian)])
         self._hessian_slot, self._jacobian_slot, self._diagonal_slot = np.split(slots, ends)
 
-    def _factorised(self, correct: bool) -> bool:
+    def _ordered(self) -> Any:
+        """A solver that knows the order and the places of the factors, of a matrix of these places and no meaning."""
         import qdldl
 
+        self._matrix.data[:] = 0.0
+        signs = np.where(np.arange(self._matrix.shape[0]) < len(self._space.free), 1.0, -1.0)
+        self._matrix.data[self._diagonal_slot] = signs
+        return qdldl.Solver(self._matrix, upper=True)
+
+    def _factorised(self, correct: bool) -> bool:
         try:
-            if self._solver is None:
-                self._solver = qdldl.Solver(self._matrix, upper=True)
-            else:
-                self._solver.update(self._matrix, upper=True)
+            self._solver.update(self._matrix, upper=True)
             if not correct:
                 return True
             _, pivots, _ = self._solver.factors()

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from gaitflow.runtime.manifest import Gait
 from gaitflow.runtime.refine import Attempt, Candidate, Refiner
 from gaitflow.trajectory import Trajectory
-
-Refine = Callable[[Candidate, float, float], Attempt]
 
 
 @dataclass(frozen=True)
@@ -57,12 +56,12 @@ class Asked:
 def refine_ranked(refiner: Refiner, ranked: Sequence[tuple[Candidate, Gait, float]], asked: Asked) -> Plan:
     """Refine the gaits (candidate, gait, probability) in order until one converges to a feasible motion.
 
-    A certain gait is given to IPOPT when the fast method fails; one that may have no motion there is so only when all
-    others have failed.
+    IPOPT is asked only when the fast method has failed for all of them: where the first gait has no motion, as beyond
+    its longest stride, it takes a second to find that out, and a planner cannot wait for it.
     """
     selected = time.perf_counter()
     attempts: list[tuple[int, Attempt]] = []
-    for place, refine in _order([candidate for candidate, _, _ in ranked], refiner):
+    for refine, place in itertools.product((refiner.fast, refiner.fallback), range(len(ranked))):
         attempts.append((place, refine(ranked[place][0], asked.speed, asked.cycle_duration)))
         if attempts[-1][1].refined:
             break
@@ -87,16 +86,6 @@ def refine_ranked(refiner: Refiner, ranked: Sequence[tuple[Candidate, Gait, floa
         refine_ms=sum(done.refine_ms for _, done in attempts),
         time_ms=(time.perf_counter() - asked.started) * 1e3,
     )
-
-
-def _order(candidates: Sequence[Candidate], refiner: Refiner) -> Iterator[tuple[int, Refine]]:
-    for place, candidate in enumerate(candidates):
-        yield place, refiner.fast
-        if candidate.certain:
-            yield place, refiner.fallback
-    for place, candidate in enumerate(candidates):
-        if not candidate.certain:
-            yield place, refiner.fallback
 
 
 def _outcome(attempt: Attempt) -> str:

@@ -63,18 +63,14 @@ class Attempt:
 
 @dataclass(frozen=True)
 class Candidate:
-    """Gait number `gait` of the map by a sheet of the atlas, or from the mean of its region when `sheet` is None.
-
-    `certain` when the sheet has nodes all around: then the gait should have a motion, and is worth any effort.
-    """
+    """Gait number `gait` of the map by a sheet of the atlas, or from the mean of its region when `sheet` is None."""
 
     gait: int
     sheet: int | None
-    certain: bool = True
 
 
 class Refiner:
-    """A map's gaits, each pattern with a matrix of its own from its first solve on. `problem` may be shared by threads.
+    """A map's gaits, each pattern with a matrix of its own, ordered here and now. `problem` may be shared by threads.
 
     For one thread.
     """
@@ -86,6 +82,8 @@ class Refiner:
         self._atlas = atlas
         self._program = Program(problem.derivatives)
         self._methods: dict[tuple[int, int | None], InteriorPoint] = {}
+        for number, sheet in enumerate(atlas.sheets):
+            self.method(Candidate(sheet.gait, number))
 
     def fast(self, candidate: Candidate, speed: float, cycle_duration: float) -> Attempt:
         """Solve for a task (m/s, s) by the fast method: from the prediction, then from nodes nearby, or from the mean.
@@ -125,7 +123,7 @@ class Refiner:
         return attempt
 
     def method(self, candidate: Candidate) -> InteriorPoint:
-        """The fast method of a candidate's pattern; made when it is asked for the first time."""
+        """The fast method of a candidate's pattern; of one without a sheet, made when it is asked for first."""
         key = candidate.gait, candidate.sheet
         if key not in self._methods:
             self._methods[key] = InteriorPoint(self._program, self._space(candidate))

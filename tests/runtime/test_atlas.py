@@ -125,11 +125,11 @@ def test_ranked_has_one_sheet_a_gait_the_certain_and_cheap_first() -> None:
     left = tuple(place for place in EVERYWHERE if place[0] == 0)
     dear, cheap, partly = sheet(0, costs=3.0), sheet(0, costs=2.0, seed=1), sheet(1, left, costs=1.0)
     made = atlas(dear, cheap, partly)
-    assert made.ranked(0.1, 0.5) == [(2, True), (1, True)]
-    assert made.ranked(0.19, 0.5)[0] == (1, True), "little speaks for the other gait"
-    assert {made.sheets[number].gait for number, _ in made.ranked(0.19, 0.5)} == {0, 1}
-    assert made.ranked(0.4, 0.9) == [(1, True)]
-    assert atlas(cheap, cheap).ranked(0.1, 0.5) == [(0, True)], "of equal ones the first"
+    assert made.ranked(0.1, 0.5) == [2, 1]
+    assert made.ranked(0.19, 0.5)[0] == 1, "little speaks for the other gait"
+    assert {made.sheets[number].gait for number in made.ranked(0.19, 0.5)} == {0, 1}
+    assert made.ranked(0.4, 0.9) == [1]
+    assert atlas(cheap, cheap).ranked(0.1, 0.5) == [0], "of equal ones the first"
 
 
 def test_nearest_nodes_come_nearest_first() -> None:
@@ -192,7 +192,7 @@ def refused_or_sound(content: bytes) -> None:
         return
     with np.errstate(all="ignore"):
         for task in TASKS:
-            for number, _ in made.ranked(*task):
+            for number in made.ranked(*task):
                 found = made.predict(number, *task)
                 made.sheets[number].space.decode(found.point)
             for number in range(len(made.sheets)):

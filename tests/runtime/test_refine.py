@@ -31,7 +31,7 @@ def lost_prediction(atlas: Atlas, sheet: int, speed: float, cycle_duration: floa
 @pytest.mark.parametrize("gait", [WALKING, GALLOP])
 def test_all_ways_lead_to_one_optimum(refiner: Refiner, parts: Parts, gait: int) -> None:
     task = (0.43, 0.7)
-    predicted, from_mean = Candidate(gait, gait), Candidate(gait, None, certain=False)
+    predicted, from_mean = Candidate(gait, gait), Candidate(gait, None)
     attempts = [solve(each, *task) for each in (predicted, from_mean) for solve in (refiner.fast, refiner.fallback)]
     assert [attempt.method for attempt in attempts] == ["fast", "fallback"] * 2
     for attempt in attempts:
@@ -76,7 +76,7 @@ def test_a_converged_motion_that_the_check_refuses_is_not_refined(
 
 
 def test_a_gait_has_one_matrix_however_it_came_to_be_asked(refiner: Refiner) -> None:
-    first = refiner.method(Candidate(GALLOP, 1, certain=True))
-    assert refiner.method(Candidate(GALLOP, 1, certain=False)) is first
+    first = refiner.method(Candidate(GALLOP, 1))
+    assert refiner.method(Candidate(GALLOP, 1)) is first
     assert refiner.method(Candidate(GALLOP, None)) is not first
     assert refiner.fast(Candidate(GALLOP, 1), *TASK).iterations <= QUICK
