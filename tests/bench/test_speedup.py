@@ -32,15 +32,21 @@ def test_speedup_and_what_explains_it() -> None:
     two = measured([*entry("a", "x", 5, 15), *entry("b", "y", 5, 20), *entry("c", "x", 15, 25)], 2)
     assert (one["span_s"], two["span_s"], two["units"]) == (30, 20, 3)
     assert (one["busy"], two["busy"]) == (1.0, pytest.approx(35 / 40))
-    told = summarise([one, two])
+    told = summarise([one, two, one])
     assert (told["speedup"], told["efficiency"]) == (1.5, 0.75)
     assert told["cpu_ratio"] == pytest.approx(35 / 30)
+
+
+def test_a_machine_that_slows_down_is_held_against_both_of_its_speeds() -> None:
+    first, last = measured(entry("a", "x", 0, 30), 1), measured(entry("a", "x", 0, 50), 1)
+    told = summarise([first, measured([*entry("a", "x", 0, 10), *entry("b", "y", 0, 20)], 2), last])
+    assert (told["speedup_least"], told["speedup"], told["speedup_most"]) == (1.5, 2.0, 2.5)
 
 
 @pytest.mark.slow
 def test_two_workers_are_faster_where_units_only_wait(scenario: Scenario, tmp_path: Path) -> None:
     done = run(scenario, 8, runs=tmp_path, solve="gaitflow.bench.idle:one_second")
-    assert done["bench"] == "speedup" and [row["workers"] for row in done["rows"]] == [1, 2]
+    assert done["bench"] == "speedup" and [row["workers"] for row in done["rows"]] == [1, 2, 1]
     assert {row["units"] for row in done["rows"]} == {8}
     assert 1.2 < done["summary"]["speedup"] <= 2.2
     assert all(row["unit_wall_s_median"] == pytest.approx(1.0, abs=0.5) for row in done["rows"])
