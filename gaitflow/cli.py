@@ -276,8 +276,9 @@ def publish(workspace: Workspace, scenario: str, version: str | None, as_json: b
 @click.argument("artifact", type=click.Path(path_type=Path))
 @click.option("--speed", type=float, required=True, help="Forward speed v [m/s].")
 @click.option("--cycle", type=float, required=True, help="Cycle duration T [s].")
+@click.option("--beyond", is_flag=True, help="Plan also outside the map's domain; the motion is checked all the same.")
 @json_option
-def plan(artifact: Path, speed: float, cycle: float, as_json: bool) -> None:
+def plan(artifact: Path, speed: float, cycle: float, beyond: bool, as_json: bool) -> None:
     """Ask the map ARTIFACT for a gait and refine it into a feasible motion.
 
     ARTIFACT is a version's folder or its parent (the newest version then).
@@ -289,16 +290,18 @@ def plan(artifact: Path, speed: float, cycle: float, as_json: bool) -> None:
 
     with bad_input():
         try:
-            answer = GaitMap.load(artifact).plan(speed, cycle)
+            answer = GaitMap.load(artifact).plan(speed, cycle, beyond=beyond)
         except OutOfDomain as error:
             if as_json:
                 print_json(stages.refused_data())
-            fail(str(error))
+            fail(f"{error}{'' if beyond else '; --beyond plans all the same'}")
         except ArtifactError as error:
             raise ConfigError(str(error)) from None
     if as_json:
         print_json(stages.plan_data(answer))
     else:
+        if not answer.in_domain:
+            click.echo(f"outside the map's domain, {answer.distance:.1f} steps of its grid from the nearest task")
         click.echo(f"gait:        {answer.gait} ({answer.pattern}), probability {answer.probability:.2f}")
         click.echo(f"durations:   {', '.join(f'{d:.4f}' for d in answer.durations)} s")
         click.echo(f"cost:        {answer.cost:.6g}")

@@ -144,6 +144,8 @@ def test_out_of_domain_fails_and_nan_is_bad_input(solved: Path) -> None:
     assert refused["in_domain"] is False and refused["feasible"] is False and refused["gait"] is None
     assert set(refused) == set(stages.PLAN_KEYS)
     assert "speed = 9 m/s is outside" in far.stderr
+    beyond = call(solved, "plan", model, "--speed", "2.0", "--cycle", "0.6", "--beyond")
+    assert "outside the map's domain, " in beyond.stdout and "feasible:    " in beyond.stdout
     nan = call(solved, "plan", model, "--speed", "nan", "--cycle", "0.6")
     assert nan.exit_code == 2 and "speed = nan" in nan.stderr
 
