@@ -64,6 +64,19 @@ def hangs_first(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...
     return hangs(scenario, tasks, seeds)
 
 
+def hoards_first(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+    """Whoever is first takes 1 GB of memory and keeps it; `paced` from then on."""
+    try:
+        Path(os.environ["FAKE_FOLDER"], "hoards").touch(exist_ok=False)
+    except FileExistsError:
+        return paced(scenario, tasks, seeds)
+    Path(os.environ["FAKE_FOLDER"], f"hoards-{os.getpid()}").touch()
+    hoard = b"x" * 10**9
+    time.sleep(600)
+    del hoard
+    return []
+
+
 def throws(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
     raise RuntimeError("Uncaught error in Bonmin")
 

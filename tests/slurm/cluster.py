@@ -7,7 +7,8 @@ Everything of it lives below one folder. It needs Debian's packages slurm-wlm an
     sinfo; sbatch job.sh; squeue
     python tests/slurm/cluster.py stop /tmp/slurm      # ends its daemons and jobs and deletes the folder
 
-Partition `work` is the default and preemptible (its jobs are requeued); a job in `urgent` takes their place.
+Partition `work` is the default and preemptible (its jobs are requeued); a job in `urgent` takes their place. A job that
+takes more memory than it asked for is killed.
 """
 
 from __future__ import annotations
@@ -50,9 +51,11 @@ StateSaveLocation={folder}/state
 SlurmdSpoolDir={folder}/spool/%n
 SlurmctldPidFile={folder}/slurmctld.pid
 SlurmdPidFile={folder}/%n.pid
-ProctrackType=proctrack/pgid
+ProctrackType=proctrack/linuxproc
 TaskPlugin=task/none
-JobAcctGatherType=jobacct_gather/none
+JobAcctGatherType=jobacct_gather/linux
+JobAcctGatherFrequency=task=1
+JobAcctGatherParams=OverMemoryKill
 AccountingStorageType=accounting_storage/none
 JobCompType=jobcomp/filetxt
 JobCompLoc={folder}/completed.log

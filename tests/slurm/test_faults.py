@@ -257,6 +257,20 @@ def test_a_walltime_ends(make_run: Callable[..., Run], judge: Callable[..., None
     assert starts == UNITS + 1, "a worker that ended at its lifetime lost the unit in work"
 
 
+def test_a_unit_takes_more_memory_than_its_job_has(
+    make_run: Callable[..., Run], judge: Callable[..., None], cluster: Cluster
+) -> None:
+    """Slurm kills the job, worker and all."""
+    run = make_run()
+    run.start("fakes:hoards_first")
+    run.wait_until(lambda: list(run.marks.glob("hoards-*")))
+    hit, begin = {int(mark.name.partition("-")[2]) for mark in run.marks.glob("hoards-*")}, time.time()
+    run.wait_until(lambda: not hit & run.solvers())
+    judge(run, "out of memory", hit, run.wait_for_pool(hit) - begin)
+    logs = "".join(log.read_text(errors="replace") for log in run.store.folder.glob("logs/worker-*.log"))
+    assert "exceeded memory limit" in logs, "something else ended it"
+
+
 @pytest.mark.parametrize(
     ("solver", "reason"), [("dies_at_first", "crashed: SIGSEGV x3"), ("kills_its_worker", "its worker vanished")]
 )
