@@ -28,7 +28,7 @@ PARTS = ("select", "predict", "refine")
 BINS = 10  # of probability
 DIGITS = 6
 NOTES = (
-    "Tasks are random, uniform in the map's domain, off its grid. A row a task: one call of GaitMap.plan in a process "
+    "Tasks are random (seed), uniform in the map's domain, off its grid. A row a task: one call of GaitMap.plan in a process "
     "of one thread that had planned one task of each gait before. wall_ms is by the clock around the call, what else "
     "the machine did included, cpu_ms the process's CPU time; select_ms, predict_ms, refine_ms are plan's own wall "
     "times, its check is part of refine_ms. plan_ms_* are of wall_ms, plan_cpu_ms_* of cpu_ms. wall_over_cpu: the sum "
@@ -69,6 +69,7 @@ def run(scenario: Scenario, artifact: Path, tasks: int | None = None, seed: int 
     mirror = scenario.robot.mirror_permutation if scenario.robot.mirror else None
     rows = judge(timed["rows"], references, paper, mirror)
     summary = summarise(rows, timed["select_us"])
+    summary["seed"] = seed
     summary["map_version"] = str(GaitMap.load(artifact).manifest.version)
     summary |= {key: timed[key] for key in ("load_s", "warm_up_s", "warm_up_plans")}
     summary["targets"] = against(summary, dimension)
