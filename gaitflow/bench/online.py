@@ -28,14 +28,15 @@ PARTS = ("select", "predict", "refine")
 BINS = 10  # of probability
 DIGITS = 6
 NOTES = (
-    "Tasks are random (seed), uniform in the map's domain, off its grid. A row a task: one call of GaitMap.plan in a process "
-    "of one thread that had planned one task of each gait before. wall_ms is by the clock around the call, what else "
-    "the machine did included, cpu_ms the process's CPU time; select_ms, predict_ms, refine_ms are plan's own wall "
-    "times, its check is part of refine_ms. plan_ms_* are of wall_ms, plan_cpu_ms_* of cpu_ms. wall_over_cpu: the sum "
-    "of the one over that of the other, 1 on a machine without other work. select_us_*: wall time of select alone.",
-    "path: fast (Newton steps from the prediction), fallback (IPOPT), next:<n> (another gait), failed. violation: by "
-    "our check, feasible when at most 1e-6. picked, only where it is not plan's gait: what select says; plan takes the "
-    "gait of least predicted cost, select the classifier's. same_as_select_rate: how often they agree.",
+    "Tasks are random by `seed`, uniform in the map's domain, off its grid. A row a task: one call of GaitMap.plan in "
+    "a process of one thread that had planned one task of each gait before. wall_ms is by the clock around the call, "
+    "what else the machine did included, cpu_ms the process's CPU time; select_ms, predict_ms, refine_ms are plan's "
+    "own wall times, its check is part of refine_ms. plan_ms_* are of wall_ms, plan_cpu_ms_* of cpu_ms. wall_over_cpu: "
+    "the sum of the one over that of the other, 1 on a machine without other work. select_us_*: wall time of select.",
+    "path: fast (Newton steps from the prediction), fallback (IPOPT), next:<n> (another gait), cheaper:<n> (another "
+    "one, after the first), failed. violation: by our check, feasible when at most 1e-6. picked, only where it is not "
+    "plan's gait: what select says; plan takes the gait of least predicted cost, select the classifier's. "
+    "same_as_select_rate: how often they agree.",
     f"reference: the first {REFERENCES} tasks were searched by the scenario's own strategy, cold. excess = (plan's "
     "cost - the search's best) / the search's best. consistent: plan solved the task, and has the search's best gait "
     "or an excess of at most 0.1 %; within: the excess is at most 0.1 %, whatever the gait; better: it is below "

@@ -11,6 +11,7 @@ from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 from typing import Any, NoReturn
 
 import numpy as np
@@ -27,6 +28,7 @@ MAX_AXIS = 2000
 MAX_MODES = 512
 MAX_SHEETS = 4096
 MAX_CELLS = 4_000_000  # sheets times tasks: what the tables to look nodes up in have memory for
+LARGEST_LOG = 700.0
 SUPPORT = 0.75  # share of the surrounding nodes that a cost has to rest on to be believed
 _NUMBERS = ("places", "costs", "mean", "modes", "coordinates", "tear")
 _BOUNDS = ("lower", "upper", "lower_rows", "upper_rows")
@@ -123,6 +125,27 @@ class Atlas:
         weight /= weight.sum()
         point = chosen.mean + (weight @ near) @ chosen.modes
         return Prediction(float(np.exp(weight @ np.log(chosen.costs[nodes]))), point)
+
+    def least_cost(self, sheet: int, speed: float, cycle_duration: float) -> float:
+        """What a sheet may cost at a task, the problem's, where its cost rises ever faster, as before a cliff.
+
+        Then the blend of the nodes around is too much, and what the slopes outside of their cell promise too little:
+        this is the largest of the promises. Infinite without any, and where too few of the nodes around exist.
+        """
+        logs, known = (table[sheet] for table in self._tables)
+        i, j, weights = self._around(speed, cycle_duration)
+        promises = [-np.inf]
+        for (a, out_a), (b, out_b) in product(((i, i - 1), (i + 1, i + 2)), ((j, j - 1), (j + 1, j + 2))):
+            if min(out_a, out_b) < 0 or out_a == len(self.speeds) or out_b == len(self.cycle_durations):
+                continue
+            if known[a, b] and known[out_a, b] and known[a, out_b]:
+                by_speed = (logs[a, b] - logs[out_a, b]) / (self.speeds[a] - self.speeds[out_a])
+                by_duration = (logs[a, b] - logs[a, out_b]) / (self.cycle_durations[b] - self.cycle_durations[out_b])
+                ahead = speed - self.speeds[a], cycle_duration - self.cycle_durations[b]
+                promises.append(logs[a, b] + by_speed * ahead[0] + by_duration * ahead[1])
+        if len(promises) == 1 or (known[i : i + 2, j : j + 2] * weights).sum() < SUPPORT:
+            return float("inf")
+        return float(np.exp(min(max(promises), LARGEST_LOG)))
 
     def nearest(self, sheet: int, speed: float, cycle_duration: float, count: int) -> list[Prediction]:
         """The `count` nodes of a sheet that are nearest to a task, by steps of the axes, nearest first."""

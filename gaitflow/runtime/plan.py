@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from gaitflow.runtime.manifest import Gait
-from gaitflow.runtime.refine import Attempt, Candidate, Refiner
+from gaitflow.runtime.refine import FAST, Attempt, Candidate, Refiner
 from gaitflow.trajectory import Trajectory
+
+WORTH = 1e-3  # relative cost that another gait must promise to save
 
 
 @dataclass(frozen=True)
@@ -19,6 +21,7 @@ class Plan(Trajectory):
     cost in the scenario's units; violation is the worst scaled constraint violation, found by `gaitflow.check` and not
     by the solver, and `feasible` means at most 1e-6. path: "fast" when the first gait was refined by Newton steps from
     its prediction, "fallback" when IPOPT had to, "next:<n>" when the n-th gait after it was the first to refine,
+    "cheaper:<n>" when that one was refined, too, and costs less than the first, which came out dearer than predicted,
     "failed" when none of `tried` converged to a feasible motion: then the motion is the least infeasible one, and
     feasible all the same when only optimality was not reached. tried: each gait with its outcome, in order.
     iterations over all tried. distance: to the nearest training task, in steps of the map's grid. time_ms is wall time
@@ -56,18 +59,17 @@ class Asked:
 def refine_ranked(refiner: Refiner, ranked: Sequence[tuple[Candidate, Gait, float]], asked: Asked) -> Plan:
     """Refine the gaits (candidate, gait, probability) in order until one converges to a feasible motion.
 
+    Where another one may cost less than that came to, it is refined as well, and the cheaper one taken: before a cliff
+    of the cost, predictions are far off.
     IPOPT is asked only when the fast method has failed for all of them: where the first gait has no motion, as beyond
     its longest stride, it takes a second to find that out, and a planner cannot wait for it.
     """
     selected = time.perf_counter()
-    attempts: list[tuple[int, Attempt]] = []
-    for refine, place in itertools.product((refiner.fast, refiner.fallback), range(len(ranked))):
-        attempts.append((place, refine(ranked[place][0], asked.speed, asked.cycle_duration)))
-        if attempts[-1][1].refined:
-            break
-    best, attempt = min(attempts, key=lambda each: (not each[1].refined, each[1].violation))
+    attempts = list(_attempts(refiner, [candidate for candidate, _, _ in ranked], asked))
+    best, attempt = min(attempts, key=_merit)
     _, gait, probability = ranked[best]
     last = {place: done for place, done in attempts}
+    first = next((place for place, done in attempts if done.refined), best)
     return Plan(
         **vars(attempt.trajectory),
         gait=gait.name,
@@ -79,13 +81,42 @@ def refine_ranked(refiner: Refiner, ranked: Sequence[tuple[Candidate, Gait, floa
         feasible=attempt.feasible,
         violation=attempt.violation,
         iterations=sum(done.iterations for _, done in attempts),
-        path="failed" if not attempt.refined else f"next:{best}" if best else attempt.method,
+        path=_path(attempt, best, first),
         tried=tuple((ranked[place][1].name, _outcome(last[place])) for place in sorted(last)),
         select_ms=(selected - asked.started) * 1e3,
         predict_ms=sum(done.predict_ms for _, done in attempts),
         refine_ms=sum(done.refine_ms for _, done in attempts),
         time_ms=(time.perf_counter() - asked.started) * 1e3,
     )
+
+
+def _attempts(refiner: Refiner, candidates: Sequence[Candidate], asked: Asked) -> Iterator[tuple[int, Attempt]]:
+    task = asked.speed, asked.cycle_duration
+    for refine, place in itertools.product((refiner.fast, refiner.fallback), range(len(candidates))):
+        attempt = refine(candidates[place], *task)
+        yield place, attempt
+        if attempt.refined:
+            break
+    rivals = range(place + 1, len(candidates)) if attempt.refined and attempt.method == FAST else ()
+    least = {rival: refiner.least(candidates[rival], *task) for rival in rivals}
+    if least and min(least.values()) < attempt.cost * (1 - WORTH):
+        rival = min(rivals, key=least.__getitem__)
+        yield rival, refiner.fast(candidates[rival], *task, most=1)
+
+
+def _merit(each: tuple[int, Attempt]) -> tuple[bool, float]:
+    """Least first: refined motions by cost, others by violation."""
+    _, attempt = each
+    return (False, attempt.cost) if attempt.refined else (True, attempt.violation)
+
+
+def _path(attempt: Attempt, best: int, first: int) -> str:
+    """`first` is the place of the first gait that refined, `best` of the one taken, by this attempt."""
+    if not attempt.refined:
+        return "failed"
+    if best != first:
+        return f"cheaper:{best}"
+    return f"next:{best}" if best else attempt.method
 
 
 def _outcome(attempt: Attempt) -> str:

@@ -85,10 +85,10 @@ class Refiner:
         for number, sheet in enumerate(atlas.sheets):
             self.method(Candidate(sheet.gait, number))
 
-    def fast(self, candidate: Candidate, speed: float, cycle_duration: float) -> Attempt:
+    def fast(self, candidate: Candidate, speed: float, cycle_duration: float, most: int = 1 + NODES) -> Attempt:
         """Solve for a task (m/s, s) by the fast method: from the prediction, then from nodes nearby, or from the mean.
 
-        Where it does not converge the motion is the last try's.
+        `most` is how many of these may be tried. Where it does not converge the motion is the last try's.
         """
         started = time.perf_counter()
         task = np.array([speed, cycle_duration])
@@ -96,7 +96,7 @@ class Refiner:
         tries = self._tries(candidate, method.space, task)
         first = next(tries)
         run = _Run(candidate, task, started, time.perf_counter())
-        for each in itertools.chain([first], tries):
+        for each in itertools.islice(itertools.chain([first], tries), most):
             outcome = method.follow(task, each.start, each.unit, each.barrier, each.limit)
             run.iterations += outcome.iterations
             status = CONVERGED[0] if outcome.converged else "not converged"
@@ -105,6 +105,12 @@ class Refiner:
                 if attempt.feasible:
                     return attempt
         return self._judged(run, outcome.w, outcome.cost, status, FAST)
+
+    def least(self, candidate: Candidate, speed: float, cycle_duration: float) -> float:
+        """What a candidate may cost at a task at the least, in the scenario's units; infinite when nobody knows."""
+        if candidate.sheet is None:
+            return float("inf")
+        return self._atlas.least_cost(candidate.sheet, speed, cycle_duration) * self._manifest.cost_scale
 
     def fallback(self, candidate: Candidate, speed: float, cycle_duration: float) -> Attempt:
         """Solve for a task (m/s, s) by IPOPT: from the prediction, then from the mean of the region."""

@@ -132,6 +132,43 @@ def test_ranked_has_one_sheet_a_gait_the_certain_and_cheap_first() -> None:
     assert atlas(cheap, cheap).ranked(0.1, 0.5) == [0], "of equal ones the first"
 
 
+STEPS = (0.1, 0.2, 0.3, 0.4, 0.5)
+INNER = st.floats(0.2, 0.4)
+
+
+@given(INNER, INNER, st.lists(st.tuples(*[st.floats(-20, 20)] * 3), min_size=1, max_size=4))
+def test_a_cost_that_rises_ever_faster_lies_between_promise_and_blend(
+    speed: float, duration: float, planes: list[tuple[float, float, float]]
+) -> None:
+    def cost(v: float, t: float) -> float:
+        return float(np.exp(max(a * v + b * t + 0.1 * c for a, b, c in planes)))
+
+    places = tuple((i, j) for i in range(5) for j in range(5))
+    costs = tuple(cost(STEPS[i], STEPS[j]) for i, j in places)
+    made = Atlas(STEPS, STEPS, 1e-4, (sheet(places=places, costs=costs),))
+    true = cost(speed, duration)
+    assert made.least_cost(0, speed, duration) <= true * (1 + 1e-9)
+    assert made.costs(speed, duration)[0][0] >= true * (1 - 1e-9)
+    if len(planes) == 1:
+        assert made.least_cost(0, speed, duration) == pytest.approx(true), "then both are exact"
+
+
+def test_before_a_cliff_the_promise_is_what_the_slope_was() -> None:
+    places = tuple((i, j) for i in range(5) for j in range(5))
+    by_speed = (2.0, 2.0, 2.0, 100.0, 1e6)
+    made = Atlas(STEPS, STEPS, 1e-4, (sheet(places=places, costs=tuple(by_speed[i] for i, _ in places)),))
+    assert made.costs(0.35, 0.35)[0][0] == pytest.approx(np.sqrt(2.0 * 100.0))
+    assert made.least_cost(0, 0.35, 0.35) == pytest.approx(2.0)
+
+
+def test_without_nodes_nothing_is_promised() -> None:
+    assert atlas(sheet()).least_cost(0, 0.15, 0.55) == pytest.approx(1.0)
+    partly = atlas(sheet(places=((0, 0), (0, 1), (1, 0))))
+    assert partly.least_cost(0, 0.15, 0.55) == np.inf, "no node has neighbours on the far sides of the cell"
+    few = atlas(sheet(places=((1, 1), (2, 1), (1, 2))))
+    assert few.least_cost(0, 0.15, 0.55) == np.inf, "too few are around"
+
+
 def test_nearest_nodes_come_nearest_first() -> None:
     one = sheet(costs=tuple(range(1, 10)))
     found = atlas(one).nearest(0, 0.39, 0.61, 3)

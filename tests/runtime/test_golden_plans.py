@@ -50,7 +50,8 @@ HARD = [
     ("half-cheetah-slope20-vibration", 0.386, 1.396, "gallop-walk", "fast", 40),
     ("half-cheetah-slope20-vibration", 1.379, 1.376, "bounding", "fast", 40),
     ("anymal-flat-vibration", 0.950505, 0.671146, "trot", "fast", 60),
-    ("anymal-flat-vibration", 1.098338, 0.592603, "trot", "fast", 50),
+    ("anymal-flat-vibration", 1.098338, 0.592603, "three-beat walk 0001/0110/1100/0001", "cheaper:1", 60),
+    ("anymal-flat-vibration", 0.454584, 0.967097, "walking trot", "cheaper:1", 20),
     ("anymal-flat-vibration", 1.505218, 0.577829, "running trot", "next:1", 110),
     ("anymal-flat-vibration", 1.002264, 0.489066, "trot", "next:2", 220),
 ]

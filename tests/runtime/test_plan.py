@@ -179,19 +179,33 @@ def test_a_solver_that_throws_costs_one_start(artifact: Path, monkeypatch: pytes
 class Scripted:
     """A refiner whose solves end as told: (violation, solver status) by gait, of the fast method and of IPOPT."""
 
-    def __init__(self, gait_map: GaitMap, fast: list[tuple[float, str]], fallback: list[tuple[float, str]]) -> None:
+    def __init__(
+        self,
+        gait_map: GaitMap,
+        fast: list[tuple[float, str]],
+        fallback: list[tuple[float, str]],
+        least: tuple[float, ...] = (np.inf, np.inf),
+        costs: tuple[float, ...] = (10.0, 11.0),
+    ) -> None:
         start = gait_map.select(0.9, 0.6).warm_start
         self._fields = {field.name: getattr(start, field.name) for field in dataclasses.fields(Trajectory)}
         self._ends = {"fast": fast, "fallback": fallback}
+        self._least, self._costs = least, costs
         self.calls: list[tuple[str, int]] = []
 
     def _end(self, method: str, gait: int) -> Attempt:
         self.calls.append((method, gait))
-        violation, status = self._ends[method][gait]
-        return Attempt(Trajectory(**self._fields), "0110/1100", 10.0 + gait, violation, 7, status, method, 0.5, 1.5)
+        violation, status = self._ends["fast" if method == "look" else method][gait]
+        method = "fast" if method == "look" else method
+        return Attempt(
+            Trajectory(**self._fields), "0110/1100", self._costs[gait], violation, 7, status, method, 0.5, 1.5
+        )
 
-    def fast(self, candidate: Candidate, speed: float, cycle_duration: float) -> Attempt:
-        return self._end("fast", candidate.gait)
+    def fast(self, candidate: Candidate, speed: float, cycle_duration: float, most: int = 3) -> Attempt:
+        return self._end("fast" if most > 1 else "look", candidate.gait)
+
+    def least(self, candidate: Candidate, speed: float, cycle_duration: float) -> float:
+        return self._least[candidate.gait]
 
     def fallback(self, candidate: Candidate, speed: float, cycle_duration: float) -> Attempt:
         return self._end("fallback", candidate.gait)
@@ -250,6 +264,34 @@ def test_ipopt_is_asked_only_when_no_gait_can_be_had_fast(
     scripted = Scripted(gait_map, fast, fallback)
     refine_ranked(scripted, ranked, Asked(0.9, 0.6, True, 0.0, 0.0))
     assert scripted.calls == calls
+
+
+LOOK_1 = ("look", 1)
+
+
+@pytest.mark.parametrize(
+    ("ends", "least", "costs", "gait", "path", "calls"),
+    [
+        # The other gait is looked at only when it promises to be cheaper than the first one came out, ...
+        ([SOLVED, SOLVED], 10.5, (10.0, 11.0), "walking", "fast", [FAST_0]),
+        ([SOLVED, SOLVED], 9.995, (10.0, 11.0), "walking", "fast", [FAST_0]),
+        ([SOLVED, SOLVED], 9.9, (10.0, 9.8), "gallop", "cheaper:1", [FAST_0, LOOK_1]),
+        # ... and taken only when it keeps that promise, and is a motion.
+        ([SOLVED, SOLVED], 9.9, (10.0, 10.1), "walking", "fast", [FAST_0, LOOK_1]),
+        ([SOLVED, WRONG], 9.9, (10.0, 9.8), "walking", "fast", [FAST_0, LOOK_1]),
+        # The next gait is the last one here: none is left to look at.
+        ([LOST, SOLVED], 9.9, (10.0, 11.0), "gallop", "next:1", [FAST_0, FAST_1]),
+    ],
+)
+def test_another_gait_is_looked_at_where_it_may_be_cheaper(
+    gait_map: GaitMap, ends: list, least: float, costs: tuple, gait: str, path: str, calls: list[tuple[str, int]]
+) -> None:
+    ranked = [(Candidate(n, None), each, 0.5) for n, each in enumerate(gait_map.gaits)]
+    scripted = Scripted(gait_map, ends, [LOST, LOST], (np.inf, least), costs)
+    plan = refine_ranked(scripted, ranked, Asked(0.9, 0.6, True, 0.0, 0.0))
+    assert (plan.gait, plan.path, plan.feasible) == (gait, path, True)
+    assert scripted.calls == calls
+    assert plan.cost == costs[0 if gait == "walking" else 1]
 
 
 @pytest.mark.parametrize("top", [0, -1, 1.5, "2", None, True])
