@@ -96,7 +96,7 @@ class _Growth:
         tasks = self.problem.scenario.tasks
         self.speeds, self.durations = finer(tasks.speed.values), finer(tasks.cycle_duration.values)
         self.scenario = self.problem.scenario.as_data()
-        program = Program(derivatives(self.problem.nlp))
+        program = Program(self.problem.nlp, derivatives(self.problem.nlp))
         bounds = [self.problem.bounds(pattern) for pattern in self.patterns]
         self.methods = tuple(
             InteriorPoint(program, GaitSpace(each.lower, each.upper, each.lower_rows, each.upper_rows))

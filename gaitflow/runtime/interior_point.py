@@ -171,7 +171,8 @@ class InteriorPoint:
         """Values [nF + nI] of free variables and inequality rows inside their bounds, and multipliers that fit."""
         space = self.space
         below, above = space.has_lower, space.has_upper
-        self._evaluate(start.free, start.rows, task, 1.0)
+        self._w[space.free] = start.free
+        self._program.evaluate_rows(self._w, task)
         values = np.concatenate([start.free, self._program.rows[space.unequal]])
         width = np.where(below & above, space.most - space.least, np.inf)
         least, most = np.where(below, space.least, 0.0), np.where(above, space.most, 0.0)

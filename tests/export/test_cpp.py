@@ -85,7 +85,7 @@ def test_the_example_answers_as_python_does(ask: Path, which: str, request: pyte
     export: Exported = request.getfixturevalue(which)
     gait_map = GaitMap.load(export.model)
     problem = load_problem(export.model, gait_map.manifest)
-    program = Program(derivatives(problem))
+    program = Program(problem, derivatives(problem))
     tasks = tasks_of(gait_map, export.model)
     answers = run(ask, export.folder / "map.bin", lines(tasks))
     assert answers.returncode == 0, answers.stderr

@@ -32,8 +32,8 @@ def evaluated(parts: Parts) -> object:
 
 
 @pytest.fixture
-def program(evaluated: object) -> Program:
-    return Program(evaluated)
+def program(parts: Parts, evaluated: object) -> Program:
+    return Program(parts.problem.nlp, evaluated)
 
 
 @pytest.fixture(scope="session")

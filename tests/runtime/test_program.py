@@ -39,6 +39,18 @@ def test_cost_and_rows_are_the_problems(program: Program, parts: Parts, near: tu
     np.testing.assert_allclose(rows, np.asarray(expected_rows).ravel(), rtol=1e-12, atol=1e-12)
 
 
+def test_rows_alone_are_the_same_and_leave_the_rest(program: Program, near: tuple) -> None:
+    w, multipliers = near
+    program.evaluate(w + 0.1, TASK, multipliers)
+    cost, rows = program.cost.copy(), program.rows.copy()
+    program.evaluate(w, TASK, multipliers)
+    hessian = program.hessian.copy()
+    program.evaluate_rows(w + 0.1, TASK)
+    np.testing.assert_allclose(program.cost, cost, rtol=1e-14)
+    np.testing.assert_allclose(program.rows, rows, rtol=1e-12, atol=1e-12)
+    np.testing.assert_array_equal(program.hessian, hessian)
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_derivatives_are_those_of_finite_differences(program: Program, near: tuple, seed: int) -> None:
     w, multipliers = near
@@ -58,8 +70,8 @@ def test_derivatives_are_those_of_finite_differences(program: Program, near: tup
     np.testing.assert_allclose(curved / scale, (gradient_above - gradient_below) / (2 * h * scale), atol=1e-6)
 
 
-def test_two_programs_of_one_function_do_not_disturb_each_other(evaluated: Any, near: tuple) -> None:
-    one, other = Program(evaluated), Program(evaluated)
+def test_two_programs_of_one_function_do_not_disturb_each_other(parts: Parts, evaluated: Any, near: tuple) -> None:
+    one, other = (Program(parts.problem.nlp, evaluated) for _ in range(2))
     w, multipliers = near
     one.evaluate(w, TASK, multipliers)
     names = ("cost", "rows", "gradient", "jacobian", "hessian")
