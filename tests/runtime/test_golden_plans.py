@@ -43,17 +43,17 @@ GOLDEN = {
         (1.217568, 0.429449, "trot", 8),
     ],
 }
-# Tasks where the prediction fails: near where a gait ends, or its cost falls off a cliff. The most iterations of all
-# tries, half as many again as were counted; at the last ones the gait that seems to be the cheapest has no motion.
+# Tasks where the prediction fails, near where a gait ends or its cost falls off a cliff: cost, and the most iterations
+# of all tries, half as many again as were counted. At some the gait that seems to be the cheapest has no motion.
 HARD = [
-    ("half-cheetah-flat-effort", 1.327038, 0.841696, "gallop", "fast", 90),
-    ("half-cheetah-slope20-vibration", 0.386, 1.396, "gallop-walk", "fast", 40),
-    ("half-cheetah-slope20-vibration", 1.379, 1.376, "bounding", "fast", 40),
-    ("anymal-flat-vibration", 0.950505, 0.671146, "trot", "fast", 60),
-    ("anymal-flat-vibration", 1.098338, 0.592603, "three-beat walk 0001/0110/1100/0001", "cheaper:1", 60),
-    ("anymal-flat-vibration", 0.454584, 0.967097, "walking trot", "cheaper:1", 20),
-    ("anymal-flat-vibration", 1.505218, 0.577829, "running trot", "next:1", 110),
-    ("anymal-flat-vibration", 1.002264, 0.489066, "trot", "next:2", 220),
+    ("half-cheetah-flat-effort", 1.327038, 0.841696, 12426.9, 90),
+    ("half-cheetah-slope20-vibration", 0.386, 1.396, 49217.5, 40),
+    ("half-cheetah-slope20-vibration", 1.379, 1.376, 2644490.0, 40),
+    ("anymal-flat-vibration", 0.950505, 0.671146, 1587.74, 60),
+    ("anymal-flat-vibration", 1.098338, 0.592603, 17809.9, 60),
+    ("anymal-flat-vibration", 0.454584, 0.967097, 433.366, 20),
+    ("anymal-flat-vibration", 1.505218, 0.577829, 41059.0, 110),
+    ("anymal-flat-vibration", 1.002264, 0.489066, 513.66, 220),
 ]
 
 
@@ -66,10 +66,11 @@ def test_plans_take_as_few_iterations_as_when_the_map_was_published(scenario: st
         assert abs(plan.iterations - iterations) <= SPREAD, (speed, cycle_duration, plan.iterations)
 
 
-@pytest.mark.parametrize(("scenario", "speed", "cycle", "gait", "path", "most"), HARD)
+@pytest.mark.parametrize(("scenario", "speed", "cycle", "cost", "most"), HARD)
 def test_where_the_prediction_fails_newtons_method_still_finds_a_motion(
-    scenario: str, speed: float, cycle: float, gait: str, path: str, most: int
+    scenario: str, speed: float, cycle: float, cost: float, most: int
 ) -> None:
     plan = GaitMap.load(MODELS / scenario / "1.1.0").plan(speed, cycle)
-    assert (plan.gait, plan.path, plan.feasible) == (gait, path, True)
+    assert plan.feasible and plan.path not in ("fallback", "failed")
+    assert plan.cost <= 1.001 * cost
     assert plan.iterations <= most
