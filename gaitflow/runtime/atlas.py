@@ -28,7 +28,7 @@ MAX_AXIS = 2000
 MAX_MODES = 512
 MAX_SHEETS = 4096
 MAX_CELLS = 4_000_000  # sheets times tasks: what the tables to look nodes up in have memory for
-LARGEST_LOG = 700.0
+LARGEST_LOG = 700.0  # of a cost, so that its exponential is a number
 SUPPORT = 0.75  # share of the surrounding nodes that a cost has to rest on to be believed
 _NUMBERS = ("places", "costs", "mean", "modes", "coordinates", "tear")
 _BOUNDS = ("lower", "upper", "lower_rows", "upper_rows")
@@ -134,7 +134,7 @@ class Atlas:
         """
         logs, known = (table[sheet] for table in self._tables)
         i, j, weights = self._around(speed, cycle_duration)
-        promises = [-np.inf]
+        promises = []
         for (a, out_a), (b, out_b) in product(((i, i - 1), (i + 1, i + 2)), ((j, j - 1), (j + 1, j + 2))):
             if min(out_a, out_b) < 0 or out_a == len(self.speeds) or out_b == len(self.cycle_durations):
                 continue
@@ -143,7 +143,7 @@ class Atlas:
                 by_duration = (logs[a, b] - logs[a, out_b]) / (self.cycle_durations[b] - self.cycle_durations[out_b])
                 ahead = speed - self.speeds[a], cycle_duration - self.cycle_durations[b]
                 promises.append(logs[a, b] + by_speed * ahead[0] + by_duration * ahead[1])
-        if len(promises) == 1 or (known[i : i + 2, j : j + 2] * weights).sum() < SUPPORT:
+        if not promises or (known[i : i + 2, j : j + 2] * weights).sum() < SUPPORT:
             return float("inf")
         return float(np.exp(min(max(promises), LARGEST_LOG)))
 
