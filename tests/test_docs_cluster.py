@@ -10,9 +10,9 @@ import click
 import pytest
 
 from gaitflow.cli import main
-from gaitflow.cli_bench import BENCHES
-from gaitflow.execute.profile import Driver, Profile, load_profile
-from gaitflow.scenario import Strategy
+from gaitflow.cli.bench import BENCHES
+from gaitflow.config.cluster import Driver, Profile, load_profile
+from gaitflow.config.scenario import Strategy
 
 BLOCK = re.compile(r"^```bash\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 INLINE = re.compile(r"`(gaitflow [a-z][^`]*)`")

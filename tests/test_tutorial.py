@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from gaitflow.robots import load_robot
+from gaitflow.config.robot import load_robot
 
 ALL = re.compile(r"^```bash\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 

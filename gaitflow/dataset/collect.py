@@ -13,14 +13,14 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from gaitflow.config.scenario import Scenario
 from gaitflow.dataset.provenance import dataset_record, read_record
 from gaitflow.dataset.read import FILE_NAME
 from gaitflow.dataset.schema import HEAVY, SCALARS, Sizes, solution_schema
-from gaitflow.dataset.seal import check_seal, write_sealed
-from gaitflow.dataset.store import DamagedPart, UnitStore
-from gaitflow.dataset.units import Unit, plan_units
 from gaitflow.files import new_file
-from gaitflow.scenario import Scenario
+from gaitflow.store.parts import DamagedPart, UnitStore
+from gaitflow.store.seal import check_seal, write_sealed
+from gaitflow.store.units import Unit, plan_units
 
 ORDER = ["split", "cycle_duration", "speed", "pattern", "seed", "start"]
 TASK = ["split", "cycle_duration", "speed"]

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from gaitflow.check import step_gaps
+from gaitflow.core.check import step_gaps
 from gaitflow.dataset.read import Solutions
-from gaitflow.solve.solution import Solution
+from gaitflow.search.solution import Solution
 
 GAP = "gap_between_knots"  # column of the labels
 
@@ -16,7 +16,7 @@ def gaps_between_knots(labels: pd.DataFrame, solutions: Solutions) -> list[float
     """For each label its motion's worst gap in one step, [m] or [rad]; NaN where there is no motion.
 
     The gap is the difference of base position or angles between the stored knot and the continuous motion that starts
-    at the knot before under the same forces (`gaitflow.check.step_gaps`).
+    at the knot before under the same forces (`gaitflow.core.check.step_gaps`).
     """
     wanted = {
         (v, t, pattern)

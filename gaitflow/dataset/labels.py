@@ -12,10 +12,10 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from gaitflow.dataset.tasks import Task
-from gaitflow.gait_names import gait_name
-from gaitflow.gaits import Pattern
-from gaitflow.solve.screen import NO_ROOM, NO_SUPPORT, NO_SWING
+from gaitflow.config.tasks import Task
+from gaitflow.core.gaits import Pattern
+from gaitflow.core.names import gait_name
+from gaitflow.search.screen import NO_ROOM, NO_SUPPORT, NO_SWING
 
 MAX_VIOLATION = 1e-6  # worst scaled constraint violation of a solve that counts
 TASK = ["speed", "cycle_duration", "split"]

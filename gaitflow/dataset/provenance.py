@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 
 import gaitflow
-from gaitflow.dataset.units import Unit, solver_version
-from gaitflow.scenario import Scenario, digest_of
+from gaitflow.config.scenario import Scenario, digest_of
+from gaitflow.store.units import Unit, solver_version
 
 KEY = b"gaitflow"
 FORMAT = 1

@@ -11,11 +11,11 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from gaitflow.core.trajectory import Array
 from gaitflow.dataset.provenance import read_record
 from gaitflow.dataset.schema import SCALARS, table_to_solutions
-from gaitflow.dataset.seal import check_seal
-from gaitflow.solve.solution import Solution
-from gaitflow.trajectory import Array
+from gaitflow.search.solution import Solution
+from gaitflow.store.seal import check_seal
 
 FILE_NAME = "solutions.parquet"
 MAX_BYTES = 64 << 30  # of all columns when unpacked

@@ -16,9 +16,9 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from gaitflow.scenario import Scenario
-from gaitflow.solve.solution import Multipliers, Solution
-from gaitflow.trajectory import Trajectory
+from gaitflow.config.scenario import Scenario
+from gaitflow.core.trajectory import Trajectory
+from gaitflow.search.solution import Multipliers, Solution
 
 SCALARS: dict[str, tuple[pa.DataType, str]] = {
     "speed": (pa.float64(), "m/s"),

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from gaitflow.check import FEASIBLE, worst
-from gaitflow.dataset.publish import CARD, GAIT_COSTS, LABELS, MANIFEST, read_manifest
+from gaitflow.core.check import FEASIBLE, worst
 from gaitflow.dataset.read import FILE_NAME, load_solutions
 from gaitflow.files import sha256_file
+from gaitflow.publishing.dataset import CARD, GAIT_COSTS, LABELS, MANIFEST, read_manifest
 
 NAMES = frozenset({FILE_NAME, LABELS, GAIT_COSTS, CARD})
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from gaitflow.config.cluster import Profile
 from gaitflow.execute import doctor_node
-from gaitflow.execute.jobs import Partition, Queue, SlurmError, cancel, partition, slurm_version, submit
-from gaitflow.execute.profile import Profile
-from gaitflow.execute.scripts import doctor_script
+from gaitflow.execute.schedulers.jobs import Partition, Queue, SlurmError, cancel, partition, slurm_version, submit
+from gaitflow.execute.schedulers.scripts import doctor_script
 from gaitflow.files import WriteError, publish_once
 
 LOOK_S = 0.5

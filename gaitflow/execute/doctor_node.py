@@ -17,11 +17,11 @@ from pathlib import Path
 from typing import Any
 
 import gaitflow
-from gaitflow.dataset.units import solver_version
 from gaitflow.files import publish_once
+from gaitflow.store.units import solver_version
 
 REPORT, QUESTION, ANSWER, TAKEN = "report.json", "question", "answer.json", "taken"
-NEEDED = ("casadi", "gaitflow.execute.drain", "gaitflow.solve")  # by the solver and by the worker
+NEEDED = ("casadi", "gaitflow.execute.drain", "gaitflow.search")  # by the solver and by the worker
 WAIT_S = 120.0
 LOOK_S = 0.2
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from gaitflow.execute.jobs import DRIVER, jobs_of
+from gaitflow.execute.schedulers.jobs import DRIVER, jobs_of
 from gaitflow.files import atomic_write
 
 IN_DRIVER_JOB = "GAITFLOW_DRIVER_JOB"  # set by the driver's script: the id of its job

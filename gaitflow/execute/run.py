@@ -18,14 +18,14 @@ from types import FrameType
 
 from distributed import Client, Future, KilledWorker, wait
 
-from gaitflow.dataset.checked import validate_changed
-from gaitflow.dataset.store import UnitStore
-from gaitflow.dataset.units import Unit
 from gaitflow.execute.receipt import Receipt
 from gaitflow.execute.solver import SolverClosed
 from gaitflow.execute.solver_process import SOLVE
-from gaitflow.execute.vanished import give_up_vanished
 from gaitflow.execute.worker import SolverPlugin, solve_unit
+from gaitflow.store.known_parts import validate_changed
+from gaitflow.store.lost_workers import give_up_vanished
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import Unit
 
 UNITS_PER_WORKER = 3  # submitted at a time: one in work, the next at hand
 LOOK_S = 0.3  # how often a wait looks up for a request to stop

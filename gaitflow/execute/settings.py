@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from typing import Any
 
-from gaitflow.execute.vanished import MOST_VANISHED
+from gaitflow.store.lost_workers import MOST_VANISHED
 
 # Both sides. By itself Dask looks at its own health up to a hundred times a second, in every process: that takes 7 %
 # of a core with two workers, on cores that the solvers need; so it takes 2 %.

@@ -18,14 +18,14 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import IO
 
-from gaitflow.dataset.attempts import MAX_ATTEMPTS, failed_solutions
-from gaitflow.dataset.store import UnitStore
-from gaitflow.dataset.units import Unit
-from gaitflow.execute.journal import Journal
 from gaitflow.execute.reap import reap
 from gaitflow.execute.receipt import Receipt
 from gaitflow.execute.solver_process import SOLVE
 from gaitflow.files import WriteError
+from gaitflow.store.attempts import MAX_ATTEMPTS, failed_solutions
+from gaitflow.store.journal import Journal
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import Unit
 
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 START_UP_S = 60.0

@@ -23,17 +23,17 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TextIO
 
-from gaitflow.dataset.store import UnitStore
-from gaitflow.dataset.tasks import Task
-from gaitflow.dataset.units import Unit, solver_version
-from gaitflow.execute.journal import Journal
+from gaitflow.config.scenario import Scenario
+from gaitflow.config.tasks import Task
 from gaitflow.execute.receipt import Receipt
 from gaitflow.files import WriteError
-from gaitflow.scenario import Scenario
-from gaitflow.solve.solution import Solution
+from gaitflow.search.solution import Solution
+from gaitflow.store.journal import Journal
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import Unit, solver_version
 
 SolveTasks = Callable[[Scenario, Sequence[Task], "tuple[int, ...] | None"], list[Solution]]
-SOLVE = "gaitflow.solve:solve_tasks"
+SOLVE = "gaitflow.search:solve_tasks"
 PR_SET_PDEATHSIG = 1
 PARENT_CHECK_S = 1.0
 
@@ -140,7 +140,7 @@ def _load(unit: Unit, solve: str) -> tuple[SolveTasks, Mapping[str, Any]]:
         )
     name, _, function = solve.partition(":")
     try:
-        from gaitflow.solve.nlp import IPOPT, IPOPT_WARM  # not before: it loads CasADi
+        from gaitflow.solvers.ipopt import IPOPT, IPOPT_WARM  # not before: it loads CasADi
 
         return getattr(importlib.import_module(name), function), {"ipopt": IPOPT, "ipopt_warm": IPOPT_WARM}
     except (ImportError, AttributeError) as error:

@@ -7,12 +7,12 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from gaitflow.dataset.attempts import Attempt
-from gaitflow.dataset.store import UnitStore
-from gaitflow.dataset.units import plan_units
-from gaitflow.execute.jobs import DRIVER, SlurmError, jobs_of
-from gaitflow.execute.journal import read_journal
-from gaitflow.scenario import Scenario
+from gaitflow.config.scenario import Scenario
+from gaitflow.execute.schedulers.jobs import DRIVER, SlurmError, jobs_of
+from gaitflow.store.attempts import Attempt
+from gaitflow.store.journal import read_journal
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import plan_units
 
 LATEST_ERRORS = 5
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from gaitflow.config import ConfigError
+from gaitflow.config.cluster import Profile, load_profile
+from gaitflow.config.file import ConfigError
 from gaitflow.execute.drivers import refuse_second_driver
-from gaitflow.execute.jobs import check, submit
-from gaitflow.execute.profile import Profile, load_profile
-from gaitflow.execute.scripts import driver_script, worker_script
+from gaitflow.execute.schedulers.jobs import check, submit
+from gaitflow.execute.schedulers.scripts import driver_script, worker_script
 from gaitflow.files import atomic_write
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from distributed import Worker, WorkerPlugin, get_worker
 
-from gaitflow.dataset.store import UnitStore
-from gaitflow.dataset.units import Unit
 from gaitflow.execute.receipt import Receipt
 from gaitflow.execute.solver import Solver
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import Unit
 
 
 class SolverPlugin(WorkerPlugin):

@@ -10,7 +10,7 @@ from typing import Any
 
 import casadi
 
-from gaitflow.runtime.program import derivatives
+from gaitflow.solvers.program import derivatives
 
 # What each file holds. One function for all derivatives would take a compiler minutes and gigabytes in space.
 FILES = {"problem": ("problem", "gradient"), "jacobian": ("jacobian",), "hessian": ("hessian",)}

@@ -13,14 +13,14 @@ from itertools import chain
 import numpy as np
 from numpy.typing import NDArray
 
+from gaitflow.core.domain import Domain
+from gaitflow.core.trajectory import Array
 from gaitflow.export.network import Network
 from gaitflow.runtime.atlas import Atlas
-from gaitflow.runtime.domain import Domain
 from gaitflow.runtime.layout import Layout
 from gaitflow.runtime.manifest import Manifest
-from gaitflow.runtime.point import GaitSpace
 from gaitflow.runtime.tensors import GaitTensors
-from gaitflow.trajectory import Array
+from gaitflow.solvers.point import GaitSpace
 
 MAGIC = b"gaitmap\n"
 FORMAT = 1

@@ -9,9 +9,9 @@ from typing import Any
 from sklearn.pipeline import Pipeline
 from sklearn.preprocessing import StandardScaler
 
+from gaitflow.config.scenario import Learning
 from gaitflow.learn.baselines import nearest_neighbours, random_forest, support_vectors
 from gaitflow.learn.mlp import perceptron
-from gaitflow.scenario import Learning
 
 PREFIX = "classify__"  # of the classifier's parameters in the pipeline
 

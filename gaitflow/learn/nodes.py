@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gaitflow.learn.atlas import REFINE
+from gaitflow.atlas.grow import REFINE
 from gaitflow.learn.classifier import Floats, Integers
 from gaitflow.runtime.atlas import Atlas
 

@@ -14,13 +14,13 @@ from sklearn.metrics import confusion_matrix
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 
+from gaitflow.config.scenario import Learning
 from gaitflow.learn.classifier import CannotTrain, Floats, GaitClassifier, Integers
 from gaitflow.learn.cross_validation import CrossValidated, cross_validate, refit, stratified_splits
 from gaitflow.learn.evaluate import RULE, Quality, choose, judge
 from gaitflow.learn.export_onnx import to_onnx_bytes
 from gaitflow.learn.methods import methods
 from gaitflow.learn.nodes import NodeLabels
-from gaitflow.scenario import Learning
 
 CONSTANT = "constant"
 

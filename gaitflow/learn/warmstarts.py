@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from gaitflow.core.trajectory import Array, Trajectory
 from gaitflow.dataset.labels import MAX_VIOLATION
-from gaitflow.solve.solution import Solution
-from gaitflow.trajectory import Array, Trajectory
+from gaitflow.search.solution import Solution
 
 TaskKey = tuple[float, float]  # speed m/s, cycle duration s
 

@@ -12,10 +12,10 @@ from itertools import combinations
 import casadi as ca
 import numpy as np
 
-from gaitflow.gaits import Pattern
+from gaitflow.config.robot import Robot
+from gaitflow.core.gaits import Pattern
+from gaitflow.core.trajectory import Array
 from gaitflow.problem.layout import Layout
-from gaitflow.robots import Robot
-from gaitflow.trajectory import Array
 
 
 def highest_lift(robot: Robot) -> float:

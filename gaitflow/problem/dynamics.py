@@ -7,9 +7,9 @@ import math
 import casadi as ca
 import numpy as np
 
+from gaitflow.config.robot import Robot
 from gaitflow.problem.layout import GRAVITY, Layout
 from gaitflow.problem.orientation import angle_rates, moment, world_to_base
-from gaitflow.robots import Robot
 
 
 def gravity(dimension: int, slope_deg: float) -> list[float]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import casadi as ca
 
+from gaitflow.config.robot import Robot
 from gaitflow.problem.layout import Layout
 from gaitflow.problem.orientation import world_to_base
-from gaitflow.robots import Robot
 
 
 def foot_offsets(robot: Robot, layout: Layout, x: ca.SX) -> ca.SX:

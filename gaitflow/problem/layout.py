@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gaitflow.scenario import Scenario
-from gaitflow.trajectory import Array, Trajectory
+from gaitflow.config.scenario import Scenario
+from gaitflow.core.trajectory import Array, Trajectory
 
 GRAVITY = 9.81  # m/s^2
 

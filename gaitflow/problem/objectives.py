@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import casadi as ca
 
+from gaitflow.config.robot import Robot
+from gaitflow.config.scenario import Objective
 from gaitflow.problem.layout import Layout
 from gaitflow.problem.orientation import angle_rates
-from gaitflow.robots import Robot
-from gaitflow.scenario import Objective
 
 
 def integrand(objective: Objective, robot: Robot, layout: Layout, x: ca.SX, u: ca.SX, speed: ca.SX) -> ca.SX:

@@ -12,11 +12,11 @@ from functools import cached_property
 import casadi as ca
 import numpy as np
 
-from gaitflow.gaits import Pattern
-from gaitflow.problem import contact, dynamics, friction, integrator, kinematics, objectives, task, timing
+from gaitflow.config.scenario import Scenario
+from gaitflow.core.gaits import Pattern
+from gaitflow.core.trajectory import Array
+from gaitflow.problem import contact, dynamics, friction, integrator, kinematics, objectives, periodicity, timing
 from gaitflow.problem.layout import Layout, layout_of
-from gaitflow.scenario import Scenario
-from gaitflow.trajectory import Array
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ def _terms(scenario: Scenario, layout: Layout, w: ca.SX, parameters: ca.SX) -> t
         defects.append(w[layout.state(k + 1)] - step(state, control, duration))
         offsets.append(box(state))
         cones.append(pyramid(control))
-    closing = task.periodicity_rows(layout, w[layout.state(0)], w[layout.state(layout.steps)], speed, cycle)
+    closing = periodicity.periodicity_rows(layout, w[layout.state(0)], w[layout.state(layout.steps)], speed, cycle)
     return cost, [*defects, *offsets, *cones, closing, timing.cycle_row(fractions)]
 
 

@@ -15,14 +15,14 @@ from typing import Any
 import numpy as np
 from jinja2 import Environment, StrictUndefined
 
-from gaitflow.check import FEASIBLE, violations
+from gaitflow.config.scenario import Scenario
+from gaitflow.core.check import FEASIBLE, violations
+from gaitflow.core.trajectory import Array
 from gaitflow.report.motion import BODY_COLOUR, FORCE_COLOUR, GROUND_COLOUR, SWING_COLOUR
 from gaitflow.report.palette import lighter
 from gaitflow.report.scene import Scene, scene_of
 from gaitflow.report.tables import number
-from gaitflow.scenario import Scenario
-from gaitflow.solve.solution import Solution
-from gaitflow.trajectory import Array
+from gaitflow.search.solution import Solution
 
 DIGITS = 5  # of stored lengths, angles and forces over weight
 

@@ -9,10 +9,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from gaitflow.core.trajectory import Array
 from gaitflow.report.palette import kind_and_contacts, lighter
 from gaitflow.report.winners import counted, mean_phase_fractions, most_common_pattern
-from gaitflow.solve.solution import Solution
-from gaitflow.trajectory import Array
+from gaitflow.search.solution import Solution
 
 COLUMNS = 3
 BAR = 0.62  # height of a leg's bar

@@ -10,11 +10,11 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from scipy.spatial import ConvexHull, QhullError
 
+from gaitflow.config.scenario import Scenario
+from gaitflow.core.trajectory import Array
 from gaitflow.report.gait_diagrams import draw_contacts
 from gaitflow.report.scene import Pose, Scene, camera, scene_of
-from gaitflow.scenario import Scenario
-from gaitflow.solve.solution import Solution
-from gaitflow.trajectory import Array
+from gaitflow.search.solution import Solution
 
 SNAPSHOTS = 6
 WIDTH = 8.4  # inches

@@ -12,6 +12,7 @@ import pandas as pd
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from gaitflow.config.scenario import Scenario
 from gaitflow.files import atomic_write
 from gaitflow.report.gait_diagrams import draw_gait_diagrams
 from gaitflow.report.gait_map import Select, draw_gait_map
@@ -31,8 +32,7 @@ from gaitflow.report.tables import (
     unsolved_table,
 )
 from gaitflow.report.winners import by_size, central, winners
-from gaitflow.scenario import Scenario
-from gaitflow.solve.solution import Solution
+from gaitflow.search.solution import Solution
 
 PAGE = "index.html"
 MAX_GAITS = 12  # gaits drawn in detail, those that win most tasks

@@ -6,10 +6,10 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from gaitflow.config.scenario import Scenario
+from gaitflow.core.trajectory import Array
 from gaitflow.report.winners import trajectory_of
-from gaitflow.scenario import Scenario
-from gaitflow.solve.solution import Solution
-from gaitflow.trajectory import Array
+from gaitflow.search.solution import Solution
 
 GRAVITY = 9.81  # m/s^2, only for the length of arrows
 BODY_HEIGHT = 0.2  # thickness of the drawn body, as a share of its height above the ground

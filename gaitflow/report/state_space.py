@@ -12,9 +12,9 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from gaitflow.core.trajectory import Array
 from gaitflow.report.winners import counted, most_common_pattern, trajectory_of
-from gaitflow.solve.solution import Solution
-from gaitflow.trajectory import Array
+from gaitflow.search.solution import Solution
 
 LABELS = (
     ("height z [m]", "ż [m/s]"),

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from gaitflow.config.scenario import Scenario
+from gaitflow.core.task import Task
 from gaitflow.dataset.labels import TASK, gait_costs
 from gaitflow.dataset.read import Solutions
-from gaitflow.scenario import Scenario
-from gaitflow.solve.solution import Solution
-from gaitflow.task import Task
+from gaitflow.search.solution import Solution
 
 
 @dataclass(frozen=True)

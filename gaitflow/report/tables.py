@@ -10,11 +10,11 @@ from typing import Any, get_args
 
 import pandas as pd
 
-from gaitflow.check import FEASIBLE, violations
-from gaitflow.gaits import Pattern, diagram
+from gaitflow.core.check import FEASIBLE, violations
+from gaitflow.core.gaits import Pattern, diagram
 from gaitflow.report.palette import ordered_gaits
 from gaitflow.report.winners import trajectory_of
-from gaitflow.solve.solution import Solution, Status
+from gaitflow.search.solution import Solution, Status
 
 GAP = "gap_between_knots"  # optional column of the labels: how far a step is from the continuous motion
 QUALITIES = (
@@ -99,7 +99,7 @@ def _task(row: Mapping[Any, Any]) -> tuple[str, str, str]:
 
 
 def check_table(scenario: Mapping[str, Any], motions: Iterable[Solution]) -> Table:
-    """Every motion checked again by `gaitflow.check`: a row a kind of constraint, its worst value and where that is.
+    """Every motion checked again by `gaitflow.core.check`: a row a kind of constraint, its worst value and its place.
 
     `scenario` is `Scenario.as_data()`; values are scaled. The row of the worst kind is marked.
     """

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import pandas as pd
 
+from gaitflow.core.trajectory import Array, Trajectory
 from gaitflow.report.palette import ordered_gaits
-from gaitflow.solve.solution import Solution
-from gaitflow.trajectory import Array, Trajectory
+from gaitflow.search.solution import Solution
 
 
 def winners(labels: pd.DataFrame, solutions: Iterable[Solution]) -> dict[str, list[Solution]]:

@@ -7,8 +7,8 @@ choice = gait_map.select(speed=0.9, cycle_duration=0.6)
 plan = gait_map.plan(speed=0.9, cycle_duration=0.6)  # needs gaitflow[solve]
 """
 
+from gaitflow.core.errors import ArtifactError, OutOfDomain
 from gaitflow.runtime.choice import Choice, Choices
-from gaitflow.runtime.errors import ArtifactError, OutOfDomain
 from gaitflow.runtime.gait_map import GaitMap
 from gaitflow.runtime.plan import Plan
 from gaitflow.runtime.tensors import WarmStart

@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
-from gaitflow.runtime.errors import ArtifactError
+from gaitflow.core.errors import ArtifactError
+from gaitflow.core.trajectory import Array
 from gaitflow.runtime.layout import Layout
-from gaitflow.runtime.point import GaitSpace
-from gaitflow.trajectory import Array
+from gaitflow.solvers.point import GaitSpace
 
 MAX_AXIS = 2000
 MAX_MODES = 512

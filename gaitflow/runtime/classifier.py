@@ -6,7 +6,7 @@ import numpy as np
 import onnxruntime as ort
 from numpy.typing import NDArray
 
-from gaitflow.runtime.errors import ArtifactError
+from gaitflow.core.errors import ArtifactError
 
 OUTPUT = "probability"
 

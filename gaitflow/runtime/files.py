@@ -8,7 +8,7 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
-from gaitflow.runtime.errors import ArtifactError
+from gaitflow.core.errors import ArtifactError
 
 MANIFEST = "manifest.json"
 CARD = "README.md"

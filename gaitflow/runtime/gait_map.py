@@ -12,10 +12,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from gaitflow.core.errors import OutOfDomain
+from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, parse_atlas
 from gaitflow.runtime.choice import Choice, Choices
 from gaitflow.runtime.classifier import Classifier
-from gaitflow.runtime.errors import OutOfDomain
 from gaitflow.runtime.files import ATLAS, CLASSIFIER, WARM_STARTS, read_checked
 from gaitflow.runtime.manifest import Gait, Manifest, read_manifest
 from gaitflow.runtime.plan import Asked, Plan, refine_ranked
@@ -23,7 +24,6 @@ from gaitflow.runtime.problem import Problem
 from gaitflow.runtime.refine import Candidate, Refiner
 from gaitflow.runtime.tensors import GaitTensors, WarmStart, parse_tensors, warm_start
 from gaitflow.runtime.versions import resolve
-from gaitflow.trajectory import Array
 
 FARTHEST = 1e6  # m/s, s: of a task beyond the domain, what the classifier's float32 can take
 

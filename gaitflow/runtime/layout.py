@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gaitflow.trajectory import Array, Trajectory
+from gaitflow.core.trajectory import Array, Trajectory
 
 
 @dataclass(frozen=True)

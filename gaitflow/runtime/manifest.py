@@ -10,9 +10,9 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from gaitflow.gaits import Pattern
-from gaitflow.runtime.domain import Domain
-from gaitflow.runtime.errors import ArtifactError
+from gaitflow.core.domain import Domain
+from gaitflow.core.errors import ArtifactError
+from gaitflow.core.gaits import Pattern
 from gaitflow.runtime.files import (
     ATLAS,
     CARD,
@@ -25,9 +25,9 @@ from gaitflow.runtime.files import (
     read_limited,
 )
 from gaitflow.runtime.layout import Layout
-from gaitflow.runtime.solver_options import checked_options
 from gaitflow.runtime.strict import Fields
 from gaitflow.runtime.versions import Version
+from gaitflow.solvers.options import checked_options
 
 FORMAT = 2
 TIME_FORMAT = "%Y-%m-%dT%H:%M:%SZ"

@@ -7,9 +7,9 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+from gaitflow.core.trajectory import Trajectory
 from gaitflow.runtime.manifest import Gait
 from gaitflow.runtime.refine import FAST, Attempt, Candidate, Refiner
-from gaitflow.trajectory import Trajectory
 
 WORTH = 1e-3  # relative cost that another gait must promise to save
 
@@ -18,8 +18,8 @@ WORTH = 1e-3  # relative cost that another gait must promise to save
 class Plan(Trajectory):
     """A motion (SI units, see `Trajectory`) for a task, with how it was found.
 
-    cost in the scenario's units; violation is the worst scaled constraint violation, found by `gaitflow.check` and not
-    by the solver, and `feasible` means at most 1e-6. path: "fast" when the first gait was refined by Newton steps from
+    cost in the scenario's units; violation is the worst scaled constraint violation, found by `gaitflow.core.check` and
+    not by the solver; `feasible` means at most 1e-6. path: "fast" when the first gait was refined by Newton steps from
     its prediction, "fallback" when IPOPT had to, "next:<n>" when the n-th gait after it was the first to refine,
     "cheaper:<n>" when that one was refined, too, and costs less than the first, which came out dearer than predicted,
     "failed" when none of `tried` converged to a feasible motion: then the motion is the least infeasible one, and

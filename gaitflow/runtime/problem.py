@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 
-from gaitflow.runtime.errors import ArtifactError
+from gaitflow.core.errors import ArtifactError
+from gaitflow.core.trajectory import Array
 from gaitflow.runtime.files import PROBLEM, read_checked
 from gaitflow.runtime.manifest import Manifest
-from gaitflow.runtime.point import GaitSpace
-from gaitflow.runtime.program import derivatives
-from gaitflow.runtime.solver_options import WARM_START
-from gaitflow.trajectory import Array
+from gaitflow.solvers.options import WARM_START
+from gaitflow.solvers.point import GaitSpace
+from gaitflow.solvers.program import derivatives
 
 # IPOPT with MUMPS crashes when two threads of one process solve at once (casadi issue 3456).
 _SOLVING = threading.Lock()

@@ -1,7 +1,7 @@
 """Refining a gait's predicted start into a motion: Newton steps on the central path, and IPOPT where they fail.
 
-Whoever solved it, a motion counts when it converged and `gaitflow.check`, which shares nothing with the problem, finds
-it feasible.
+Whoever solved it, a motion counts when it converged and `gaitflow.core.check`, which shares nothing with the problem,
+finds it feasible.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gaitflow import check
+from gaitflow.core import check
+from gaitflow.core.trajectory import Array, Trajectory
 from gaitflow.runtime.atlas import Atlas
-from gaitflow.runtime.interior_point import InteriorPoint
 from gaitflow.runtime.layout import unpack
 from gaitflow.runtime.manifest import Manifest
-from gaitflow.runtime.point import GaitSpace, Point
 from gaitflow.runtime.problem import CONVERGED, Problem
-from gaitflow.runtime.program import Program
 from gaitflow.runtime.tensors import GaitTensors
-from gaitflow.trajectory import Array, Trajectory
+from gaitflow.solvers.interior_point import InteriorPoint
+from gaitflow.solvers.point import GaitSpace, Point
+from gaitflow.solvers.program import Program
 
 FAST, FALLBACK = "fast", "fallback"
 QUICK = 18  # iterations of the first try, from a prediction between the nodes
@@ -36,7 +36,7 @@ LEAST_COST = 1e-9
 class Attempt:
     """One gait refined: what came out, for which full pattern, our own verdict on it, and what the solver said.
 
-    cost in the scenario's units; violation is the worst scaled one (gaitflow.check). method: "fast" or "fallback".
+    cost in the scenario's units; violation is the worst scaled one (gaitflow.core.check). method: "fast" or "fallback".
     iterations are Newton's and IPOPT's. predict_ms and refine_ms are wall times, checking included.
     """
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 from reprlib import repr as short
 from typing import Any, NoReturn
 
-from gaitflow.runtime.errors import ArtifactError
+from gaitflow.core.errors import ArtifactError
 
 
 class Fields:

@@ -8,10 +8,10 @@ import numpy as np
 from safetensors import SafetensorError
 from safetensors.numpy import load
 
-from gaitflow.runtime.errors import ArtifactError
+from gaitflow.core.errors import ArtifactError
+from gaitflow.core.trajectory import Array, Trajectory
 from gaitflow.runtime.layout import Layout, unpack
-from gaitflow.runtime.point import GaitSpace
-from gaitflow.trajectory import Array, Trajectory
+from gaitflow.solvers.point import GaitSpace
 
 
 @dataclass(frozen=True)

@@ -8,15 +8,15 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
+from gaitflow.config.scenario import Scenario, digest_of
+from gaitflow.config.tasks import tasks_of
 from gaitflow.dataset import collect as module
 from gaitflow.dataset import load_solutions
 from gaitflow.dataset.collect import NotComplete, collect, thin
 from gaitflow.dataset.schema import HEAVY
-from gaitflow.dataset.store import UnitStore
-from gaitflow.dataset.tasks import tasks_of
-from gaitflow.dataset.units import Unit
-from gaitflow.scenario import Scenario, digest_of
-from gaitflow.solve.solution import Solution
+from gaitflow.search.solution import Solution
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import Unit
 
 Make = Callable[[Unit], list[Solution]]
 

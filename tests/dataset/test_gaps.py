@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gaitflow.core.trajectory import Trajectory
 from gaitflow.dataset.gaps import gap_between_knots
-from gaitflow.solve.solution import Solution
-from gaitflow.trajectory import Trajectory
+from gaitflow.search.solution import Solution
 
 G = 9.81
 SCENARIO = {

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gaitflow.config.tasks import Task
+from gaitflow.core.gaits import Pattern, gait_of
 from gaitflow.dataset.labels import COSTS, LABELS, TASK, gait_costs, label_tasks, mark_failed
-from gaitflow.dataset.tasks import Task
-from gaitflow.gaits import Pattern, gait_of
 
 LEGS = ("F", "H")
 GALLOP, WALK, BOUND = (gait_of(Pattern.from_text(text)).text for text in ("0110/1100", "0111/1101", "0001/0100"))

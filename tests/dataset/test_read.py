@@ -11,12 +11,12 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from gaitflow.config.scenario import Scenario
 from gaitflow.dataset import Solutions, load_solutions
 from gaitflow.dataset.collect import collect
-from gaitflow.dataset.store import UnitStore
-from gaitflow.dataset.units import Unit
-from gaitflow.scenario import Scenario
-from gaitflow.solve.solution import Solution
+from gaitflow.search.solution import Solution
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import Unit
 
 
 @pytest.fixture

@@ -12,6 +12,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from gaitflow.config.scenario import Scenario
+from gaitflow.core.trajectory import Trajectory
 from gaitflow.dataset.schema import (
     HEAVY,
     SCALARS,
@@ -21,10 +23,8 @@ from gaitflow.dataset.schema import (
     solutions_to_table,
     table_to_solutions,
 )
-from gaitflow.dataset.units import Unit
-from gaitflow.scenario import Scenario
-from gaitflow.solve.solution import Multipliers, Solution, Status
-from gaitflow.trajectory import Trajectory
+from gaitflow.search.solution import Multipliers, Solution, Status
+from gaitflow.store.units import Unit
 
 NUMBER = st.floats(allow_nan=True, allow_infinity=True, width=64)
 COUNT = st.integers(0, 2**62)

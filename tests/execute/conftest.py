@@ -10,10 +10,10 @@ from pathlib import Path
 import pytest
 from distributed import Client
 
-from gaitflow.dataset.store import UnitStore
-from gaitflow.dataset.units import Unit, plan_units
+from gaitflow.config.scenario import Scenario, load_scenario
 from gaitflow.execute.local import local_client
-from gaitflow.scenario import Scenario, load_scenario
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import Unit, plan_units
 
 
 @pytest.fixture(scope="session")

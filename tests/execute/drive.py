@@ -6,12 +6,12 @@ import json
 import sys
 from pathlib import Path
 
-from gaitflow.dataset.store import UnitStore
-from gaitflow.dataset.units import plan_units
+from gaitflow.config.scenario import Scenario
 from gaitflow.execute.local import local_client
 from gaitflow.execute.progress import progress
 from gaitflow.execute.run import RunFailed, RunStopped, run_units
-from gaitflow.scenario import Scenario
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import plan_units
 
 
 def main(scenario_file: str, folder: str, solve: str) -> None:

@@ -1,4 +1,4 @@
-"""Solvers with faults, in the place of `gaitflow.solve.solve_tasks`; run in the solver process by `--solve`.
+"""Solvers with faults, in the place of `gaitflow.search.solve_tasks`; run in the solver process by `--solve`.
 
 What they do is told by the environment, as they run two processes away from the test.
 """
@@ -13,9 +13,9 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from gaitflow.dataset.tasks import Task
-from gaitflow.scenario import Scenario
-from gaitflow.solve.solution import Solution
+from gaitflow.config.scenario import Scenario
+from gaitflow.config.tasks import Task
+from gaitflow.search.solution import Solution
 
 
 def steady(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:

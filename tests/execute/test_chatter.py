@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from gaitflow.dataset.store import UnitStore
-from gaitflow.dataset.units import Unit
 from gaitflow.execute.receipt import Receipt
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import Unit
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full on this system")

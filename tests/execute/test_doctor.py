@@ -8,9 +8,9 @@ from typing import Any
 
 import pytest
 
+from gaitflow.config.cluster import Profile
 from gaitflow.execute import doctor, doctor_node
 from gaitflow.execute.doctor import Finding, examine
-from gaitflow.execute.profile import Profile
 
 SBATCH = """\
 #!/bin/bash

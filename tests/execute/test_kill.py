@@ -7,9 +7,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from gaitflow.bench.faults import Kill, Round, _difference, _row, faults
-from gaitflow.execute.journal import Entry
-from gaitflow.scenario import Scenario, load_scenario
+from benchmarks.infrastructure.faults import Kill, Round, _difference, _row, faults
+from gaitflow.config.scenario import Scenario, load_scenario
+from gaitflow.store.journal import Entry
 
 
 @pytest.mark.slow

@@ -15,14 +15,14 @@ import pytest
 from distributed import Client
 from distributed.comm import CommClosedError
 
+from gaitflow.config.scenario import Scenario
 from gaitflow.dataset import load_solutions
 from gaitflow.dataset.collect import collect
-from gaitflow.dataset.store import UnitStore
-from gaitflow.dataset.units import Unit
-from gaitflow.execute.journal import read_journal, unended
 from gaitflow.execute.run import RunFailed, RunState, _give_solvers, run_units
 from gaitflow.execute.status import run_status
-from gaitflow.scenario import Scenario
+from gaitflow.store.journal import read_journal, unended
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import Unit
 
 Open = Callable[[], AbstractContextManager[Client]]
 

@@ -17,7 +17,7 @@ from gaitflow.execute.local import SETTINGS
 def test_a_worker_loads_no_learning_and_no_plots() -> None:
     code = (
         "import sys, distributed.cli.dask_worker, gaitflow.execute.drain, gaitflow.execute.worker, "
-        "gaitflow.execute.solver_process, gaitflow.solve.nlp; "
+        "gaitflow.execute.solver_process, gaitflow.solvers.ipopt; "
         "print({'torch', 'skorch', 'sklearn', 'onnx', 'matplotlib', 'snakemake'} & set(sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -15,14 +15,14 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
+from gaitflow.config.scenario import Scenario
 from gaitflow.dataset.provenance import read_record
 from gaitflow.dataset.schema import table_to_solutions
-from gaitflow.dataset.store import UnitStore
-from gaitflow.dataset.units import Unit, plan_units
-from gaitflow.execute.journal import read_journal, unended
 from gaitflow.execute.receipt import Receipt
 from gaitflow.execute.solver import Solver, SolverClosed, longest_unit_s, time_limit
-from gaitflow.scenario import Scenario
+from gaitflow.store.journal import read_journal, unended
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import Unit, plan_units
 
 made: list[Solver] = []
 
@@ -172,7 +172,7 @@ def test_the_solver_process_dies_with_a_killed_parent(
     before = set(fakes.glob("hangs-*"))
     code = (
         "import json, sys; from pathlib import Path; from gaitflow.execute.solver import Solver;"
-        "from gaitflow.dataset.units import Unit; from gaitflow.dataset.store import UnitStore;"
+        "from gaitflow.store.units import Unit; from gaitflow.store.parts import UnitStore;"
         "Solver('fakes:hangs').run(Unit.from_data(json.load(sys.stdin)), UnitStore(Path(sys.argv[1])))"
     )
     parent = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], stdin=subprocess.PIPE, cwd=checkout)
@@ -240,7 +240,7 @@ def test_a_process_asked_to_end_finishes_the_part_it_writes(
     """The child asks itself to end in the middle of its write, so that no luck is needed to hit it."""
     code = (
         "import os, signal, sys; from pathlib import Path; import fakes;"
-        "from gaitflow.dataset.store import UnitStore; from gaitflow.execute.solver_process import main;"
+        "from gaitflow.store.parts import UnitStore; from gaitflow.execute.solver_process import main;"
         "write = UnitStore.write;"
         "UnitStore.write = lambda *a: (os.kill(os.getpid(), signal.SIGTERM), write(*a))[1];"
         "main(['--parent', str(os.getppid()), '--solve', 'fakes:steady'])"

@@ -7,11 +7,11 @@ import time
 
 import pytest
 
-from gaitflow.dataset.store import UnitStore
-from gaitflow.dataset.units import Unit
-from gaitflow.execute.journal import Journal, read_journal
+from gaitflow.config.scenario import Scenario
 from gaitflow.execute.status import JobCounts, run_status
-from gaitflow.scenario import Scenario
+from gaitflow.store.journal import Journal, read_journal
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import Unit
 
 
 def pretend_solved(store: UnitStore, unit: Unit) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -11,19 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from onnx import TensorProto, helper, numpy_helper
+from tiny_map import artifact, parts, pristine
 
-from gaitflow.artifact import Parts, publish
 from gaitflow.export import Exported, export_c
+from gaitflow.publishing import Parts, publish
 from gaitflow.runtime.atlas import Atlas, Sheet
-
-_SPEC = importlib.util.spec_from_file_location("tiny_map", Path(__file__).parents[1] / "artifact" / "tiny_map.py")
-assert _SPEC is not None
-assert _SPEC.loader is not None
-if "tiny_map" not in sys.modules:
-    sys.modules["tiny_map"] = importlib.util.module_from_spec(_SPEC)
-    _SPEC.loader.exec_module(sys.modules["tiny_map"])
-
-from tiny_map import artifact, parts, pristine  # noqa: E402
 
 __all__ = ["artifact", "parts", "pristine"]
 

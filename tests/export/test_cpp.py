@@ -21,7 +21,7 @@ from gaitflow.export.map_file import MAGIC
 from gaitflow.runtime import GaitMap
 from gaitflow.runtime.gait_map import load_atlas
 from gaitflow.runtime.problem import load_problem
-from gaitflow.runtime.program import Program, derivatives
+from gaitflow.solvers.program import Program, derivatives
 
 pytestmark = pytest.mark.slow
 SANITIZED = "-O1 -g -Wall -Wextra -Werror -fsanitize=address,undefined -fno-sanitize-recover=all"

@@ -7,8 +7,8 @@ import re
 import casadi
 import pytest
 
-from gaitflow.artifact import Parts
 from gaitflow.export.functions import c_files, identifier
+from gaitflow.publishing import Parts
 
 
 @pytest.mark.parametrize(

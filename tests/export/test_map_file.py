@@ -12,7 +12,7 @@ from gaitflow.export import Exported
 from gaitflow.export.export import MAP
 from gaitflow.runtime import GaitMap
 from gaitflow.runtime.gait_map import load_atlas
-from gaitflow.runtime.point import GaitSpace
+from gaitflow.solvers.point import GaitSpace
 
 
 class Items:

@@ -8,13 +8,13 @@ import numpy as np
 import onnx
 import pytest
 
+from gaitflow.config.scenario import Learning
 from gaitflow.export.network import CannotExport, Network, read_network
 from gaitflow.learn.classifier import GaitClassifier, frequencies_of
 from gaitflow.learn.export_onnx import to_onnx_bytes
 from gaitflow.learn.methods import methods
 from gaitflow.runtime.classifier import Classifier
 from gaitflow.runtime.manifest import read_manifest
-from gaitflow.scenario import Learning
 
 LEARNING = Learning(folds=2, hidden_layers=((12, 8, 6),), learning_rates=(1e-2,), max_epochs=20)
 TASKS = np.random.default_rng(0).uniform((0.1, 0.4), (2.3, 1.6), (60, 2)).astype(np.float32)

@@ -2,28 +2,16 @@
 
 from __future__ import annotations
 
-import importlib.util
-import sys
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 import pytest
+from tiny_map import grown, judged, parts
 
+from gaitflow.config.scenario import Learning
+from gaitflow.config.tasks import Task
+from gaitflow.core.gaits import Pattern, gait_of
 from gaitflow.dataset.labels import gait_costs, label_tasks
-from gaitflow.dataset.tasks import Task
-from gaitflow.gaits import Pattern, gait_of
 from gaitflow.learn.train import Training, train
-from gaitflow.scenario import Learning
-
-_SPEC = importlib.util.spec_from_file_location("tiny_map", Path(__file__).parents[1] / "artifact" / "tiny_map.py")
-assert _SPEC is not None
-assert _SPEC.loader is not None
-if "tiny_map" not in sys.modules:
-    sys.modules["tiny_map"] = importlib.util.module_from_spec(_SPEC)
-    _SPEC.loader.exec_module(sys.modules["tiny_map"])
-
-from tiny_map import grown, judged, parts  # noqa: E402
 
 __all__ = ["grown", "judged", "parts"]
 

@@ -7,10 +7,10 @@ import warnings
 import numpy as np
 import pytest
 
+from gaitflow.config.scenario import Learning
 from gaitflow.learn.classifier import CannotTrain
 from gaitflow.learn.cross_validation import cross_validate, stratified_splits
 from gaitflow.learn.methods import Method, methods
-from gaitflow.scenario import Learning
 
 
 def test_every_fit_knows_every_gait_and_no_task_is_fitted_and_tested_at_once() -> None:

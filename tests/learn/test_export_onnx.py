@@ -8,10 +8,10 @@ import onnxruntime
 import pytest
 from onnx import numpy_helper
 
+from gaitflow.config.scenario import Learning
 from gaitflow.learn.classifier import GaitClassifier, frequencies_of
 from gaitflow.learn.export_onnx import to_onnx_bytes
 from gaitflow.learn.methods import methods
-from gaitflow.scenario import Learning
 
 RANDOM = np.random.default_rng(0)
 LOW, HIGH = (0.1, 0.4), (2.3, 1.6)

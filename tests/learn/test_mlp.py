@@ -7,8 +7,8 @@ import pytest
 import torch
 from sklearn.base import clone
 
+from gaitflow.config.scenario import Learning
 from gaitflow.learn.mlp import perceptron
-from gaitflow.scenario import Learning
 
 RANDOM = np.random.default_rng(0)
 TASKS = RANDOM.normal(size=(60, 2)).astype(np.float32)

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from gaitflow.artifact import Parts
-from gaitflow.learn.atlas import REFINE, Grown
+from gaitflow.atlas.grow import REFINE, Grown
 from gaitflow.learn.nodes import node_labels
+from gaitflow.publishing import Parts
 from gaitflow.runtime.atlas import Atlas
 
 AXES = tuple(0.1 * n for n in range(5)), tuple(0.5 + 0.1 * n for n in range(5))

@@ -9,10 +9,10 @@ import onnxruntime
 import pandas as pd
 import pytest
 
+from gaitflow.config.scenario import Learning
 from gaitflow.learn.classifier import CannotTrain
 from gaitflow.learn.nodes import NodeLabels
 from gaitflow.learn.train import Training, train
-from gaitflow.scenario import Learning
 
 Frames = tuple[pd.DataFrame, pd.DataFrame]
 

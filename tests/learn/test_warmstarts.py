@@ -8,9 +8,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from gaitflow.core.trajectory import Array, Trajectory
 from gaitflow.learn.warmstarts import WarmStart, region_means, winning_patterns
-from gaitflow.solve.solution import Multipliers, Solution
-from gaitflow.trajectory import Array, Trajectory
+from gaitflow.search.solution import Multipliers, Solution
 
 LABELS = pd.DataFrame(
     [

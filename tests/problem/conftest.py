@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from gaitflow.scenario import Scenario, Transcription, load_scenario
+from gaitflow.config.scenario import Scenario, Transcription, load_scenario
 
 
 @pytest.fixture(scope="session")

@@ -5,12 +5,12 @@ from itertools import product
 import numpy as np
 import pytest
 
-from gaitflow.gaits import Pattern
+from gaitflow.config.scenario import Scenario
+from gaitflow.core.gaits import Pattern
+from gaitflow.core.trajectory import Array
 from gaitflow.problem import GaitProblem, transcribe
 from gaitflow.problem.contact import fix_contacts, highest_lift, one_stance_rows
-from gaitflow.scenario import Scenario
-from gaitflow.solve import guess
-from gaitflow.trajectory import Array
+from gaitflow.search import starts
 
 
 @pytest.mark.parametrize("phases", [2, 3, 4, 5, 6, 7])
@@ -55,7 +55,7 @@ def test_contacts_fix_what_eq_7_says_and_nothing_else(either: Scenario) -> None:
 def _walking_like(problem: GaitProblem, pattern: Pattern) -> Array:
     """A point w within the physical bounds whose contacts are exactly those of the pattern; not a motion."""
     layout = problem.layout
-    w = guess.nominal(problem.scenario.robot, layout, 1.0, 0.6)
+    w = starts.nominal(problem.scenario.robot, layout, 1.0, 0.6)
     for step in range(layout.steps):
         for leg, stands in enumerate(pattern.column(layout.phase_of(step))):
             w[layout.foot_velocity(step, leg) if stands else layout.force(step, leg)] = 0.0

@@ -10,12 +10,12 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
+from gaitflow.config.robot import Robot
+from gaitflow.config.scenario import Scenario
+from gaitflow.core.trajectory import Array
 from gaitflow.problem import integrator
 from gaitflow.problem.dynamics import gravity, state_rate
 from gaitflow.problem.layout import GRAVITY, Layout, layout_of
-from gaitflow.robots import Robot
-from gaitflow.scenario import Scenario
-from gaitflow.trajectory import Array
 
 UP = np.array([0.0, 0.0, 1.0])
 

@@ -4,9 +4,9 @@ import casadi as ca
 import numpy as np
 import pytest
 
+from gaitflow.config.scenario import Scenario
 from gaitflow.problem.friction import friction_rows
 from gaitflow.problem.layout import layout_of
-from gaitflow.scenario import Scenario
 
 
 def test_a_force_obeys_the_rows_exactly_inside_the_pyramid(either: Scenario) -> None:

@@ -4,10 +4,10 @@ import casadi as ca
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from gaitflow.config.scenario import Scenario
+from gaitflow.core.trajectory import Array
 from gaitflow.problem.kinematics import foot_offsets
 from gaitflow.problem.layout import layout_of
-from gaitflow.scenario import Scenario
-from gaitflow.trajectory import Array
 
 
 def _offsets(scenario: Scenario, x: Array) -> Array:

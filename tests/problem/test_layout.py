@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gaitflow.config.scenario import Scenario, load_scenario
 from gaitflow.problem import transcribe
 from gaitflow.problem.layout import Layout, knot_times
-from gaitflow.scenario import Scenario, load_scenario
 
 layouts = st.builds(
     Layout,

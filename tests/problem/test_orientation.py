@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from gaitflow.core.trajectory import Array
 from gaitflow.problem.orientation import angle_rates, moment, world_to_base
-from gaitflow.trajectory import Array
 
 three = ca.SX.sym("angles", 3)
 omega = ca.SX.sym("omega", 3)

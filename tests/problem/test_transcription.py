@@ -4,11 +4,11 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from gaitflow.gaits import Pattern
+from gaitflow.config.scenario import Objective, Scenario, Transcription
+from gaitflow.core.gaits import Pattern
+from gaitflow.core.trajectory import Array
 from gaitflow.problem import GaitProblem, transcribe
-from gaitflow.scenario import Objective, Scenario, Transcription
-from gaitflow.solve import guess
-from gaitflow.trajectory import Array
+from gaitflow.search import starts
 
 TASK = np.array([0.8, 0.6])
 
@@ -26,7 +26,7 @@ def problem(either: Scenario) -> GaitProblem:
 
 def _somewhere(problem: GaitProblem, seed: int = 0) -> Array:
     rng = np.random.default_rng(seed)
-    return guess.random(problem.scenario.robot, problem.layout, *TASK, rng)
+    return starts.random(problem.scenario.robot, problem.layout, *TASK, rng)
 
 
 def _pattern(problem: GaitProblem) -> Pattern:

@@ -12,15 +12,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from gaitflow.config.robot import load_robot
+from gaitflow.config.scenario import Scenario, load_scenario
+from gaitflow.core.gaits import Pattern, gait_of
+from gaitflow.core.trajectory import Trajectory
 from gaitflow.dataset import Solutions, load_solutions
-from gaitflow.gaits import Pattern, gait_of
 from gaitflow.problem import transcribe
-from gaitflow.robots import load_robot
-from gaitflow.scenario import Scenario, load_scenario
-from gaitflow.solve import guess
-from gaitflow.solve.nlp import FixedGaitSolver, Start
-from gaitflow.solve.solution import Solution
-from gaitflow.trajectory import Trajectory
+from gaitflow.search import starts as guess
+from gaitflow.search.solution import Solution
+from gaitflow.solvers.ipopt import FixedGaitSolver, Start
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 ROBOT = Path(__file__).parents[1] / "data" / "robots" / "planar.yaml"  # stays as it is when the shipped one changes

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 
+from gaitflow.config.scenario import Terrain
 from gaitflow.report.motion import BODY_COLOUR, FLOOR_COLOUR, GROUND_COLOUR, SNAPSHOTS, SWING_COLOUR, draw_motion
-from gaitflow.scenario import Terrain
 
 COLOUR = "#D55E00"
 

@@ -2,8 +2,8 @@ from __future__ import annotations
 
 from matplotlib.colors import to_rgb
 
-from gaitflow.gait_names import gait_kind, gait_name
-from gaitflow.gaits import Pattern, all_patterns, gait_of
+from gaitflow.core.gaits import Pattern, all_patterns, gait_of
+from gaitflow.core.names import gait_kind, gait_name
 from gaitflow.report.palette import (
     KIND_COLOURS,
     NAMED_COLOURS,

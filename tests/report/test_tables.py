@@ -6,7 +6,7 @@ from typing import get_args
 
 import numpy as np
 
-from gaitflow.check import violations
+from gaitflow.core.check import violations
 from gaitflow.report.tables import (
     check_table,
     effort_table,
@@ -18,7 +18,7 @@ from gaitflow.report.tables import (
     tie_table,
     unsolved_table,
 )
-from gaitflow.solve.solution import Status
+from gaitflow.search.solution import Status
 
 
 def as_dict(table) -> dict[str, dict[str, str]]:

@@ -8,12 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from safetensors.numpy import load, save
 
-from gaitflow.artifact import Parts, runtime_layout
-from gaitflow.learn.atlas import Grown
+from gaitflow.atlas.grow import Grown
+from gaitflow.publishing import Parts, runtime_layout
 from gaitflow.runtime import ArtifactError
 from gaitflow.runtime.atlas import MAX_AXIS, MAX_MODES, MAX_SHEETS, Atlas, Sheet, atlas_bytes, parse_atlas
 from gaitflow.runtime.layout import Layout
-from gaitflow.runtime.point import GaitSpace
+from gaitflow.solvers.point import GaitSpace
 
 LAYOUT = Layout(phases=2, knots_per_phase=1, legs=("F", "H"), dimension=2, base=6, rows=3)
 SPEEDS, DURATIONS = (0.1, 0.2, 0.4), (0.5, 0.6, 0.9)

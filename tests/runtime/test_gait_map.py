@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gaitflow.artifact import Parts, publish
+from gaitflow.publishing import Parts, publish
 from gaitflow.runtime import ArtifactError, GaitMap, OutOfDomain
 
 

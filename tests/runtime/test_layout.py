@@ -5,8 +5,8 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from gaitflow.artifact import Parts
 from gaitflow.problem.layout import Layout as ProblemLayout
+from gaitflow.publishing import Parts
 from gaitflow.runtime.layout import Layout, unpack
 
 

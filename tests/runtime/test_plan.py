@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from tiny_map import cold_solve
 
-from gaitflow import check
-from gaitflow.artifact import Parts, publish
+from gaitflow.core import check
+from gaitflow.core.trajectory import Trajectory
 from gaitflow.problem import GaitProblem
+from gaitflow.publishing import Parts, publish
 from gaitflow.runtime import ArtifactError, GaitMap, OutOfDomain, Plan, refine
 from gaitflow.runtime.atlas import Atlas
 from gaitflow.runtime.plan import Asked, refine_ranked
 from gaitflow.runtime.refine import Attempt, Candidate
-from gaitflow.trajectory import Trajectory
 
 FAST = (2.05, 0.9)  # beyond what walking can do
 TIMES = {"select_ms", "predict_ms", "refine_ms", "time_ms"}

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from gaitflow import check
-from gaitflow.artifact import Parts
+from gaitflow.core import check
+from gaitflow.publishing import Parts
 from gaitflow.runtime import GaitMap
 from gaitflow.runtime.atlas import Atlas, Prediction
 from gaitflow.runtime.refine import NODES, QUICK, Attempt, Candidate, Refiner

@@ -22,15 +22,15 @@ import pandas as pd
 import yaml
 from cluster import Cluster
 
-from gaitflow.bench.document import document
+from benchmarks.document import document
+from gaitflow.config.cluster import load_profile
+from gaitflow.config.scenario import Scenario
 from gaitflow.dataset import load_solutions
 from gaitflow.dataset.collect import collect
-from gaitflow.dataset.store import UnitStore
-from gaitflow.dataset.units import plan_units
-from gaitflow.execute.journal import Entry, read_journal, unended
-from gaitflow.execute.profile import load_profile
-from gaitflow.execute.scripts import driver_script
-from gaitflow.scenario import Scenario
+from gaitflow.execute.schedulers.scripts import driver_script
+from gaitflow.store.journal import Entry, read_journal, unended
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import plan_units
 
 POOL = 3
 SLOW_S, QUICK_S = 3.0, 0.05  # how long a unit takes, before and after the pool is back

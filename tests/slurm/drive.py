@@ -6,13 +6,13 @@ import json
 import sys
 from pathlib import Path
 
-from gaitflow.dataset.store import UnitStore
-from gaitflow.dataset.units import plan_units
-from gaitflow.execute.profile import load_profile
+from gaitflow.config.cluster import load_profile
+from gaitflow.config.scenario import Scenario
 from gaitflow.execute.progress import progress
 from gaitflow.execute.run import RunFailed, RunStopped, run_units
-from gaitflow.execute.slurm import slurm_client
-from gaitflow.scenario import Scenario
+from gaitflow.execute.schedulers.slurm import slurm_client
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import plan_units
 
 LONGEST_UNIT_S = 5.0
 

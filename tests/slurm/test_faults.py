@@ -19,7 +19,7 @@ import pytest
 from cluster import NODES, Cluster, program_path
 from disturbed import POOL, SLOW_S, Row, Run, undisturbed
 
-from gaitflow.scenario import Scenario, load_scenario
+from gaitflow.config.scenario import Scenario, load_scenario
 
 pytestmark = [pytest.mark.slurm, pytest.mark.slow, pytest.mark.timeout(400)]
 

@@ -14,7 +14,7 @@ import pytest
 import yaml
 from cluster import Cluster
 
-from gaitflow.execute.journal import read_journal
+from gaitflow.store.journal import read_journal
 
 pytestmark = [pytest.mark.slurm, pytest.mark.slow, pytest.mark.timeout(900)]
 

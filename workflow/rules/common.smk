@@ -6,8 +6,8 @@ import sys
 from functools import cache
 from pathlib import Path
 
-from gaitflow.config import ConfigError
-from gaitflow.scenario import load_scenario
+from gaitflow.config.file import ConfigError
+from gaitflow.config.scenario import load_scenario
 
 
 wildcard_constraints:

@@ -1,0 +1,1 @@
+"""The store, the workers and what is left when they are killed."""

@@ -1,0 +1,55 @@
+"""Solvers that solve nothing, in the place of `gaitflow.search:solve_tasks`: what remains is what moves the work."""
+
+from __future__ import annotations
+
+import math
+import sys
+import time
+from collections.abc import Sequence
+
+from gaitflow.config.scenario import Scenario
+from gaitflow.config.tasks import Task
+from gaitflow.search.solution import Solution
+
+HEAVY = ("torch", "sklearn", "skorch", "matplotlib", "onnxruntime", "pandas", "snakemake", "casadi", "pyarrow", "dask")
+
+
+def no_time(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+    """Answer at once."""
+    return idle_solutions(scenario, tasks)
+
+
+def one_second(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+    """Answer after one second."""
+    time.sleep(1.0)
+    return idle_solutions(scenario, tasks)
+
+
+def idle_solutions(scenario: Scenario, tasks: Sequence[Task]) -> list[Solution]:
+    """A row a task that says "infeasible"; its `solver_status` names the heavy modules that this process has loaded."""
+    return [
+        Solution(
+            speed=task.speed,
+            cycle_duration=task.cycle_duration,
+            split=task.split,
+            pattern="",
+            gait="",
+            strategy=scenario.strategy.name,
+            start="",
+            seed=0,
+            status="infeasible",
+            solver_status=",".join(loaded()),
+            cost=math.nan,
+            violation=math.nan,
+            iterations=0,
+            solves=0,
+            wall_s=0.0,
+            cpu_s=0.0,
+        )
+        for task in tasks
+    ]
+
+
+def loaded() -> list[str]:
+    """Those of HEAVY that this process has imported."""
+    return [name for name in HEAVY if name in sys.modules]

@@ -1,0 +1,75 @@
+"""The paper's fixed-gait problem, section IV.B: the MINLP's big-M form with its contact variables fixed.
+
+The baseline of Table I. It has the constraints that the pattern decides as rows, where ours has fixed variables.
+"""
+
+from __future__ import annotations
+
+import time
+
+import casadi as ca
+import numpy as np
+
+from gaitflow.core.check import FEASIBLE, worst
+from gaitflow.core.gaits import Pattern
+from gaitflow.problem import GaitProblem
+from gaitflow.search.solution import Multipliers
+from gaitflow.solvers.ipopt import CONVERGED, IPOPT, Attempt, Start, call_solver, make_ipopt
+
+# IPOPT's own default. The bounds form makes do with less, but a baseline should not fail for want of iterations.
+MAX_ITERATIONS = 3000
+
+
+class BigMSolver:
+    """Solves a scenario's big-M form for any pattern and task; build once, one per process."""
+
+    def __init__(self, problem: GaitProblem, time_limit: float) -> None:
+        """`time_limit` is the CPU time of one call [s]."""
+        self.problem = problem
+        self._scenario = problem.scenario.as_data()
+        self._solver: ca.Function = make_ipopt(
+            problem.minlp, IPOPT | {"max_iter": MAX_ITERATIONS, "max_cpu_time": time_limit}
+        )
+
+    def solve(self, pattern: Pattern, speed: float, cycle_duration: float, start: Start) -> Attempt:
+        """One call from the start's w [nw]; v [m/s], T [s]. Multipliers are those of the big-M program.
+
+        Judged as every solve is: forces in swing and slip in stance, here rows that hold to constr_viol_tol (1e-9), may
+        not exceed the check's 1e-6 either. A run that stops at IPOPT's acceptable level can, and has failed then.
+        Raises ValueError for a pattern with another shape than the scenario's.
+        """
+        layout = self.problem.layout
+        if (pattern.legs, pattern.phases) != (layout.legs, layout.phases):
+            raise ValueError(
+                f"pattern {pattern.text} has {pattern.legs} legs and {pattern.phases} phases; "
+                f"the scenario has {layout.legs} and {layout.phases}"
+            )
+        bounds = self.problem.minlp_bounds(pattern)
+        arguments = {
+            "x0": np.concatenate([start.w, bounds.lower[layout.nw :]]),
+            "p": [speed, cycle_duration],
+            "lbx": bounds.lower,
+            "ubx": bounds.upper,
+            "lbg": bounds.lower_rows,
+            "ubg": bounds.upper_rows,
+        }
+        wall, cpu = time.perf_counter(), time.process_time()
+        status, iterations, result = call_solver(self._solver, arguments)
+        wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+        w = result["x"][: layout.nw]
+        trajectory = layout.unpack(w, cycle_duration)
+        violation = worst(self._scenario, trajectory, speed, cycle_duration, pattern.text)
+        return Attempt(
+            start=start.name,
+            feasible=violation <= FEASIBLE and status in CONVERGED,
+            gave_up=status not in CONVERGED and status != "Infeasible_Problem_Detected",
+            solver_status=status,
+            cost=float(result["f"][0]) * self.problem.cost_scale,
+            violation=violation,
+            iterations=iterations,
+            wall_s=wall,
+            cpu_s=cpu,
+            w=w,
+            trajectory=trajectory,
+            multipliers=Multipliers(result["lam_x"], result["lam_g"]),
+        )

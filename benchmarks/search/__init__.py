@@ -1,0 +1,1 @@
+"""How the search for a gait fares: against exhaustive search, and by size."""

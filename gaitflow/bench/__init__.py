@@ -1,1 +1,0 @@
-"""Benchmarks whose results are committed: each module makes one JSON document."""

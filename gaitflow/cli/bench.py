@@ -1,0 +1,91 @@
+"""`gaitflow bench`: measure, and write down with machine and date what was measured."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+import gaitflow
+from gaitflow.cli.errors import bad_input, print_json
+from gaitflow.pipeline.workspace import Workspace
+
+BENCHES = (
+    "certificate", "discovery", "faults", "map", "minlp", "online", "overhead", "phases", "ranking", "scaling",
+    "select", "speedup", "stances", "store", "table1", "table2",
+)  # fmt: skip
+PIPED_WIDTH = 160  # a table in a file need not fit a terminal
+DEFAULT_SCENARIO = "half-cheetah-flat-effort"
+
+
+@click.command()
+@click.argument("name", type=click.Choice(BENCHES))
+@click.option("--scenario", default=DEFAULT_SCENARIO, show_default=True)
+@click.option("--tasks", type=click.IntRange(1), help="How many tasks; by default the bench's own number.")
+@click.option("--seed", default=0, show_default=True)
+@click.option(
+    "--profile",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    help="speedup only: on the jobs of this Slurm cluster.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
+@click.pass_obj
+def bench(
+    workspace: Workspace, name: str, scenario: str, tasks: int | None, seed: int, profile: Path | None, as_json: bool
+) -> None:
+    """Measure NAME and write docs/results/NAME-SCENARIO.json; a bench that was stopped goes on.
+
+    \b
+    discovery  pattern search against Bonmin's restarts: cost and CPU time
+    table1     the paper's Table I: MINLP, random starts, warm starts
+    table2     its Table II, with the MINLP's runs of `bench minlp` (after `gaitflow run`)
+    minlp      Bonmin for an hour on one task, its incumbents and gap, beside our search
+    scaling    CPU time of one pattern by legs, phases and knots; of two robots, whatever SCENARIO says
+    map        what making a map took, every label checked again (after `gaitflow run`)
+    select     loading a map and asking it
+    online     planning from a map: latency, consistency, and the paper's way beside it; draws a figure, too
+    stances    what one stance per leg costs (needs the runs of SCENARIO and SCENARIO-free)
+    phases     what more phases gain (SCENARIO is S-eight-phases; needs its run and that of S)
+    ranking    the gaits of each task by cost and what they ask of the robot (after `gaitflow solve`)
+    certificate  exhaustive search of some tasks beside their labels (after `gaitflow label`)
+    faults     kill -9 of workers and runs
+    store      planning, resuming, checking and packing 10^3 to 10^5 units (or --tasks)
+    overhead   what handing out a unit costs, and start-up to the first solve
+    speedup    two workers over one on the same units, here or with --profile on Slurm
+    Example: gaitflow bench select --scenario quickstart
+    """
+    from rich.console import Console
+
+    _find_benchmarks()
+    from benchmarks.document import summary_table, write
+    from benchmarks.measure import measure
+    from gaitflow.config.cluster import load_profile
+    from gaitflow.files import atomic_write
+
+    with bad_input():
+        cluster = None if profile is None else load_profile(profile)
+        done = measure(name, workspace, workspace.scenario(scenario), tasks, seed, cluster)
+        written = [write(done, workspace.results)]
+        if name == "online":
+            from gaitflow.report.latency import draw_latency
+            from gaitflow.report.report import png_of
+
+            written.append(written[0].with_suffix(".png"))
+            atomic_write(written[1], png_of(draw_latency(done)))
+    if as_json:
+        return print_json(done)
+    console = Console()
+    console = console if console.is_terminal else Console(width=PIPED_WIDTH)
+    console.print(summary_table(done))
+    for path in written:
+        click.echo(path)
+
+
+def _find_benchmarks() -> None:
+    """Make the `benchmarks` beside this package importable; an installed package has none."""
+    root = Path(gaitflow.__file__).resolve().parents[1]
+    if not (root / "benchmarks" / "__init__.py").is_file():
+        raise click.ClickException("benchmarks come with a checkout of gaitflow; this installation has none")
+    if str(root) not in sys.path:
+        sys.path.insert(0, str(root))

@@ -1,0 +1,130 @@
+"""`gaitflow submit`, `cancel` and `doctor`: runs on a Slurm cluster."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+
+import click
+
+from gaitflow.cli.errors import bad_input, fail, print_json
+from gaitflow.config.file import ConfigError
+from gaitflow.pipeline.workspace import Workspace
+
+profile_option = click.option(
+    "--profile",
+    "profile_file",
+    required=True,
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="The cluster and how much of it to use, such as slurm/profiles/centre-48h.yaml.",
+)
+json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
+
+
+@click.command()
+@click.argument("scenario")
+@profile_option
+@click.option("--dry-run", is_flag=True, help="Print the scripts that would be submitted, and submit nothing.")
+@json_option
+@click.pass_obj
+def submit(workspace: Workspace, scenario: str, profile_file: Path, dry_run: bool, as_json: bool) -> None:
+    """Make the map of SCENARIO on a Slurm cluster: submit a driver, which keeps its workers in the queue.
+
+    Log out if you like; `gaitflow status` says how far it is. Whatever ends the driver or its workers, what is solved
+    is kept, and submitting once more goes on from there.
+
+    \b
+    Example: gaitflow submit quickstart --profile slurm/profiles/centre-48h.yaml --dry-run
+    """
+    from gaitflow.execute.solver import longest_unit_s
+    from gaitflow.execute.submit import prepare, submit_run
+    from gaitflow.store.units import plan_units
+
+    with bad_input(), _slurm_errors():
+        resolved = workspace.scenario(scenario)
+        if workspace.scenario(resolved.name) != resolved:
+            raise ConfigError(
+                f"{scenario}: differs from configs/scenarios/{resolved.name}.yaml; the driver uses that one"
+            )
+        folder = workspace.run(resolved).folder
+        longest = longest_unit_s(plan_units(resolved))
+        submission = prepare(workspace.root, folder, resolved.name, profile_file, longest)
+        job = None if dry_run else submit_run(submission)
+    scripts = {"driver": submission.driver, "worker": submission.worker, "workers": submission.profile.jobs}
+    if as_json:
+        return print_json({"scenario": resolved.name, "job": job, "logs": str(folder / "logs"), **scripts})
+    if job is None:
+        click.echo(f"# driver: 1 job\n{submission.driver}")
+        click.echo(f"# workers: {submission.profile.jobs} jobs, submitted by the driver\n{submission.worker}", nl=False)
+        return
+    click.echo(f"{resolved.name}: driver job {job}, up to {submission.profile.jobs} workers; logs in {folder / 'logs'}")
+    click.echo(f"watch it with `gaitflow status {resolved.name}`, end it with `gaitflow cancel {resolved.name}`")
+
+
+@click.command()
+@click.argument("scenario")
+@json_option
+@click.pass_obj
+def cancel(workspace: Workspace, scenario: str, as_json: bool) -> None:
+    """End all Slurm jobs of the run of SCENARIO, and no others. What is solved is kept.
+
+    \b
+    Example: gaitflow cancel quickstart
+    """
+    from gaitflow.execute.drivers import driver_process
+    from gaitflow.execute.schedulers.jobs import cancel_run
+
+    with bad_input(), _slurm_errors():
+        resolved = workspace.scenario(scenario)
+        folder = workspace.run(resolved).folder
+        jobs = cancel_run(folder)
+    process = driver_process(folder)
+    if as_json:
+        return print_json({"scenario": resolved.name, "cancelled": [asdict(job) for job in jobs], "process": process})
+    for job in jobs:
+        click.echo(f"cancelled {job.id} {job.name}, which was {job.state.lower()}")
+    click.echo(f"{resolved.name}: {len(jobs)} jobs cancelled")
+    if process is not None:
+        click.echo(f"{process} still drives this run and will submit workers again; end it with Ctrl-C there")
+
+
+@click.command()
+@profile_option
+@click.option("--wait", default=600.0, show_default=True, type=click.FloatRange(1), help="For the job to start [s].")
+@json_option
+@click.pass_obj
+def doctor(workspace: Workspace, profile_file: Path, wait: float, as_json: bool) -> None:
+    """Check that the cluster of a profile can do what a run needs, with one tiny job, and say what is wrong.
+
+    \b
+    Example: gaitflow doctor --profile slurm/profiles/centre-48h.yaml
+    """
+    from gaitflow.config.cluster import load_profile
+    from gaitflow.execute.doctor import examine
+
+    found = []
+    with bad_input(), _slurm_errors():
+        profile = load_profile(profile_file)
+        for finding in examine(profile, workspace.root / "runs", wait):
+            found.append(finding)
+            if not as_json:
+                click.echo(f"{'ok   ' if finding.ok else 'WRONG'} {finding.check}: {finding.text}")
+    sound = all(finding.ok for finding in found)
+    if as_json:
+        print_json({"profile": profile.name, "sound": sound, "findings": [asdict(finding) for finding in found]})
+    if not sound:
+        sys.exit(1)
+
+
+@contextmanager
+def _slurm_errors() -> Iterator[None]:
+    from gaitflow.execute.drivers import DriverAlive
+    from gaitflow.execute.schedulers.jobs import SlurmError
+
+    try:
+        yield
+    except (SlurmError, DriverAlive) as error:
+        fail(str(error))

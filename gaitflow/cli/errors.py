@@ -1,0 +1,37 @@
+"""How a command ends: exit codes 0 done, 1 failed, 2 bad input; one clear line on standard error, data on output."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any, NoReturn
+
+import click
+
+from gaitflow.config.file import ConfigError
+from gaitflow.pipeline import stages
+
+
+def print_json(data: Any) -> None:
+    """One JSON document on standard output."""
+    click.echo(json.dumps(data, indent=1, allow_nan=False))
+
+
+def fail(message: str) -> NoReturn:
+    """Say why on standard error and leave with exit code 1."""
+    click.echo(f"gaitflow: {message}", err=True)
+    sys.exit(1)
+
+
+@contextmanager
+def bad_input() -> Iterator[None]:
+    """One clear line and exit code 2 for what the user gave us, 1 for a stage that is missing or a full disk."""
+    try:
+        yield
+    except (stages.StageMissing, OSError) as error:
+        fail(str(error))
+    except (ConfigError, ValueError) as error:
+        click.echo(f"gaitflow: {error}", err=True)
+        sys.exit(2)

@@ -1,0 +1,44 @@
+"""`gaitflow export`: a published map for planners that are not Python."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from gaitflow.cli.errors import bad_input, fail, print_json
+from gaitflow.config.file import ConfigError
+
+
+@click.command()
+@click.argument("model", type=click.Path(path_type=Path))
+@click.option(
+    "--c",
+    "folder",
+    required=True,
+    type=click.Path(path_type=Path),
+    help="The folder to write: C functions, map.bin, and a C++17 reader.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
+def export(model: Path, folder: Path, as_json: bool) -> None:
+    """Write MODEL (a version's folder or its parent) as C and data; docs/other-languages.md says how to use it.
+
+    \b
+    Example: gaitflow export models/quickstart --c quickstart-c
+    """
+    try:
+        from gaitflow.export import export_c
+    except ImportError as missing:
+        fail(f'an export needs {missing.name}: pip install "gaitflow[solve,learn]"')
+    from gaitflow.runtime import ArtifactError
+
+    with bad_input():
+        try:
+            done = export_c(model, folder)
+        except ArtifactError as error:
+            raise ConfigError(str(error)) from None
+    if as_json:
+        return print_json({"model": str(done.model), "folder": str(done.folder), "files": done.sizes})
+    click.echo(f"{done.model} -> {done.folder}")
+    for name, size in done.sizes.items():
+        click.echo(f"{size:10d}  {name}")

@@ -1,0 +1,1 @@
+"""What a user writes, as strict, frozen data: robots, scenarios, clusters; and the tasks of a scenario."""

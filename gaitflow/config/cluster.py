@@ -1,0 +1,185 @@
+"""How a cluster is to be used, as data: `slurm/profiles/NAME.yaml`. The scenario is the same as on a laptop.
+
+What ends in the text of an sbatch script is either validated here to be one plain word, or it is the user's own shell
+(`setup`), which goes in as it is, a line each.
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+
+from gaitflow.config.file import Config, read_yaml
+
+MAX_JOBS = 10_000
+MAX_MARGIN = 0.5  # of the walltime
+_WALLTIME = re.compile(r"(?:(\d{1,3})-)?(\d{1,3}):([0-5]\d):([0-5]\d)")
+MIN_DRIVER_S = 300  # it is told to stop a minute before its end, and Slurm may say so a minute early
+_LINE_BREAKS = re.compile(r"[\x00-\x08\x0a-\x1f\x7f\x85\u2028\u2029]")
+_OPTION = re.compile(r"--([a-z][a-z-]*)(=.*)?", re.DOTALL)
+
+# Options that the scripts set themselves, or that would break what they rely on, with what to use instead.
+OURS = {
+    "account": "use the field account",
+    "array": "use the field jobs",
+    "chdir": "the script goes to its folder itself",
+    "comment": "it marks the jobs of a run",
+    "cpus-per-task": "use the field cores",
+    "dependency": "a run needs no other job",
+    "error": "logs go to the run's folder",
+    "hold": "a job on hold never starts",
+    "input": "jobs read nothing",
+    "job-name": "it names the scenario",
+    "mem": "use the field memory",
+    "mem-per-cpu": "use the field memory",
+    "mem-per-gpu": "use the field memory",
+    "no-requeue": "workers are replaced, the driver is requeued",
+    "nodes": "a worker is one process",
+    "ntasks": "a worker is one process",
+    "ntasks-per-node": "a worker is one process",
+    "open-mode": "logs are appended to",
+    "output": "logs go to the run's folder",
+    "parsable": "the answer of sbatch is read",
+    "partition": "use the field partition",
+    "quiet": "the answer of sbatch is read",
+    "requeue": "workers are replaced, the driver is requeued",
+    "signal": "it announces the end of the driver's walltime",
+    "test-only": "use --dry-run",
+    "time": "use the field walltime",
+    "time-min": "use the field walltime",
+    "wait": "sbatch has to return at once",
+    "wrap": "the job is the worker",
+}
+
+
+def _walltime(text: str) -> str:
+    if walltime_seconds(text) < 60:
+        raise ValueError(f'{text!r}: at least one minute, "00:01:00"')
+    return text
+
+
+def walltime_seconds(text: str) -> int:
+    """Seconds in "HH:MM:SS" or "D-HH:MM:SS". Raises ValueError for anything else."""
+    match = _WALLTIME.fullmatch(text)
+    if match is None:
+        raise ValueError(f'{text!r}: must be "HH:MM:SS" or "D-HH:MM:SS", such as "48:00:00" or "2-00:00:00"')
+    days, hours, minutes, seconds = (int(part or 0) for part in match.groups())
+    return ((days * 24 + hours) * 60 + minutes) * 60 + seconds
+
+
+def _memory(text: str) -> str:
+    if not re.fullmatch(r"[1-9][0-9]{0,5}[MGT]B", text):
+        raise ValueError(f"{text!r}: must be a whole number of MB, GB or TB without a space, such as 2GB")
+    return text
+
+
+def _quoted(value: Any) -> Any:
+    # YAML reads 48:00:00 without quotes as a number to the base of 60.
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        raise ValueError(f'{value!r} is a number to YAML: write the time in quotes, such as "48:00:00"')
+    return value
+
+
+def _directive(text: str) -> str:
+    match = _OPTION.fullmatch(text)
+    if match is None:
+        raise ValueError(f'{text!r}: must be one option in full, such as "--qos=long" or "--exclusive"')
+    if _LINE_BREAKS.search(text) or "#" in text:
+        raise ValueError(f"{text!r}: must be one line without #")
+    # sbatch takes any beginning of an option that leaves no doubt, so --ti would be --time.
+    taken = next((option for option in OURS if option.startswith(match[1])), None)
+    if taken is not None:
+        raise ValueError(f"{text!r}: --{taken} is set by gaitflow: {OURS[taken]}")
+    return text
+
+
+def _one_line(text: str) -> str:
+    if not text.strip() or _LINE_BREAKS.search(text):
+        raise ValueError(f"{text!r}: must be one line of shell; give several lines as several items")
+    return text
+
+
+def _driver_walltime(text: str) -> str:
+    if walltime_seconds(text) < MIN_DRIVER_S:
+        raise ValueError(f'{text!r}: at least five minutes for the driver, "00:05:00"')
+    return text
+
+
+Walltime = Annotated[str, BeforeValidator(_quoted), AfterValidator(_walltime)]
+Memory = Annotated[str, AfterValidator(_memory)]
+Word = Annotated[str, Field(pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.,@+-]*$", max_length=200)]
+Directive = Annotated[str, AfterValidator(_directive)]
+# A folder of the node: absolute, or below a variable that the node sets, such as $TMPDIR or /scratch/$USER.
+NodeFolder = Annotated[
+    str, Field(pattern=r"^(/|\$)([A-Za-z0-9_./+-]|\$[A-Za-z_][A-Za-z0-9_]*|\$\{[A-Za-z_][A-Za-z0-9_]*\})*$")
+]
+
+
+class Driver(Config):
+    """The small job that runs the workflow: it plans, hands out units and trains, and solves nothing itself."""
+
+    walltime: Annotated[Walltime, AfterValidator(_driver_walltime)] = "2-00:00:00"
+    memory: Memory = "4GB"
+    partition: Word | None = None  # null: that of the workers
+    directives: tuple[Directive, ...] | None = None  # null: those of the workers
+
+    @property
+    def walltime_s(self) -> int:
+        """The walltime [s]."""
+        return walltime_seconds(self.walltime)
+
+
+class Profile(Config):
+    """One cluster and how much of it to use. Memory is for a job, in Slurm's units (1GB = 2^30 bytes).
+
+    `jobs` workers of one process and one thread each are kept in the queue; `cores` only reserves, for sites that
+    hand out nothing smaller. `margin_s` is kept free at the end of a walltime, beside the longest unit.
+    """
+
+    name: Annotated[str, Field(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$", max_length=80)]
+    partition: Word | None = None
+    account: Word | None = None
+    walltime: Walltime
+    memory: Memory = "2GB"
+    jobs: Annotated[int, Field(ge=1, le=MAX_JOBS)]
+    cores: Annotated[int, Field(ge=1, le=1024)] = 1
+    scratch: NodeFolder | None = None
+    setup: tuple[Annotated[str, AfterValidator(_one_line)], ...] = ()
+    directives: tuple[Directive, ...] = ()
+    interface: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=15)] | None = None
+    driver: Driver = Driver()
+    margin_s: Annotated[float, Field(ge=0)] = 120.0
+    tls: bool = True
+
+    @property
+    def walltime_s(self) -> int:
+        """The walltime of a worker [s]."""
+        return walltime_seconds(self.walltime)
+
+    @model_validator(mode="after")
+    def _margin_fits(self) -> Self:
+        if self.margin_s > MAX_MARGIN * self.walltime_s:
+            raise ValueError(
+                f"margin_s = {self.margin_s:g}: must be at most half of the walltime, {self.walltime} "
+                f"= {self.walltime_s} s; make the walltime longer or the margin smaller"
+            )
+        return self
+
+
+def load_profile(path: Path) -> Profile:
+    """Read a profile. Raises ConfigError, a line an error: the file, the field, the value and what is allowed."""
+    return Profile.from_data(read_yaml(path), str(path))
+
+
+def lifetime(profile: Profile, longest_unit_s: float) -> tuple[float, float]:
+    """A worker's lifetime and its stagger [s]: it takes no new unit after `lifetime` +- `stagger` and ends.
+
+    At the latest then, a unit of `longest_unit_s` and the margin still fit into the walltime. Where they do not fit
+    into half of it, the lifetime is half of the walltime: a unit that is cut off is solved again, nothing else is lost.
+    """
+    latest = max(profile.walltime_s - longest_unit_s - profile.margin_s, profile.walltime_s / 2)
+    stagger = 0.05 * latest  # so that a pool that started together does not end together
+    return latest - stagger, stagger

@@ -1,0 +1,221 @@
+"""A scenario S = [task, environment, objective] of the paper (section III.A), and how to solve and learn it.
+
+A scenario file is data: it names a robot, a terrain, an objective, a transcription, a grid of tasks, a
+search strategy and learning settings. `load_scenario` resolves the robot's name to its parameters, so that a
+`Scenario` is complete: its JSON is all that a worker, a dataset or an artifact needs to know.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from reprlib import repr as short
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field, field_validator, model_validator
+
+from gaitflow.config.file import Config, ConfigError, read_yaml, require_mapping
+from gaitflow.config.robot import Robot, load_robot
+
+Weight = Annotated[float, Field(ge=0)]
+Count = Annotated[int, Field(ge=1)]
+Widths = Annotated[tuple[Count, ...], Field(min_length=1)]
+Rate = Annotated[float, Field(gt=0)]
+
+
+class Terrain(Config):
+    """A slope (the environment Omega): inclination gamma [degrees, uphill positive], friction coefficient mu."""
+
+    slope_deg: Annotated[float, Field(gt=-60, lt=60)] = 0.0
+    friction: Annotated[float, Field(gt=0)] = 0.8
+
+
+class Objective(Config):
+    """Weights of the integrands of eq. (8)-(10); a term with weight 0 is left out.
+
+    J1 is `force: 1`; J2 is 1e6 on the two velocities, tilt and tilt rate; J3 adds force and lateral foot.
+    """
+
+    force: Weight = 0.0  # sum of squared contact forces [N^2 s]
+    tangential_velocity: Weight = 0.0  # (v_t - v)^2, in 3D with the lateral velocity [m^2/s]
+    normal_velocity: Weight = 0.0  # v_n^2 [m^2/s]
+    tilt: Weight = 0.0  # base angles against the terrain, squared [rad^2 s]
+    tilt_rate: Weight = 0.0  # their rates, squared [rad^2/s]
+    lateral_foot: Weight = 0.0  # (P_y - default P_y)^2, 3D only [m^2 s]
+
+    @model_validator(mode="after")
+    def _not_empty(self) -> Objective:
+        if not any(self.model_dump().values()):
+            raise ValueError("at least one weight must be positive")
+        return self
+
+
+class Transcription(Config):
+    """Section III.B: phases, equal knots in each, how a step is integrated, and the shortest phase."""
+
+    phases: Annotated[int, Field(ge=2, le=12)] = 4
+    knots_per_phase: Annotated[int, Field(ge=2, le=50)] = 10
+    integrator: Literal["euler", "rk4"] = "euler"
+    min_phase_fraction: Annotated[float, Field(gt=0, lt=1)] = 0.1
+
+    @model_validator(mode="after")
+    def _phases_fit(self) -> Transcription:
+        if self.phases * self.min_phase_fraction > 1:
+            raise ValueError(
+                f"min_phase_fraction = {self.min_phase_fraction:g}: phases = {self.phases} of at least this part of "
+                f"the cycle do not fit into it; allowed is at most 1/{self.phases}"
+            )
+        return self
+
+
+class Axis(Config):
+    """`count` evenly spaced values from `start` to `stop`, both included."""
+
+    start: Annotated[float, Field(ge=0)]
+    stop: Annotated[float, Field(ge=0)]
+    count: Annotated[int, Field(ge=1, le=10_000)]
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Axis:
+        if self.stop < self.start or (self.count > 1 and self.stop == self.start):
+            raise ValueError(
+                f"stop = {self.stop:g}, start = {self.start:g}, count = {self.count}: stop must be above start "
+                "(equal only when count is 1)"
+            )
+        return self
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The values, rounded to 1e-9 so that a task prints as it was written."""
+        return tuple(round(float(x), 9) for x in np.linspace(self.start, self.stop, self.count))
+
+
+class Tasks(Config):
+    """The task grid over speed v [m/s] and cycle duration T [s], and random held-out tasks inside it."""
+
+    speed: Axis
+    cycle_duration: Axis
+    held_out: Annotated[int, Field(ge=0, le=100_000)] = 0
+    held_out_seed: int = 0
+
+    @field_validator("cycle_duration")
+    @classmethod
+    def _positive(cls, axis: Axis) -> Axis:
+        if axis.start <= 0:
+            raise ValueError(f"start = {axis.start:g}: a cycle must last longer than 0 s")
+        return axis
+
+
+class Strategy(Config):
+    """How the best gait of a task is searched: see `gaitflow.search`."""
+
+    name: Literal["patterns", "guided", "bonmin", "fixed_gait"] = "patterns"
+    restarts: Count = 3  # random starts: per task (bonmin), per pattern that fails (all others)
+    seed: Annotated[int, Field(ge=0)] = 0
+    pattern: str | None = None  # fixed_gait only: legs' rows joined by "/", such as "0110/1100"
+    budget: Count = 300  # guided only: patterns probed at a task
+    part: tuple[int, int] | None = None  # patterns only: [i, n] searches the i-th of n parts, from 0
+    incumbent: Annotated[float, Field(gt=0)] | None = None  # patterns only: leave out what is sure to cost more
+    solve_time_limit: Annotated[float, Field(gt=0)] = 20.0  # CPU seconds of one solver call
+    tasks_per_unit: Annotated[int, Field(ge=1, le=1000)] = 6  # neighbouring speeds solved as one unit of work
+
+    @model_validator(mode="after")
+    def _pattern_fits(self) -> Strategy:
+        if (self.pattern is not None) != (self.name == "fixed_gait"):
+            pattern = "null" if self.pattern is None else short(self.pattern)
+            raise ValueError(
+                f"name = {self.name!r}, pattern = {pattern}: a pattern is needed by the strategy 'fixed_gait', "
+                "and allowed for no other"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _part_fits(self) -> Strategy:
+        if (self.part, self.incumbent) != (None, None) and self.name != "patterns":
+            raise ValueError(
+                f"name = {self.name!r}, part = {self.part}, incumbent = {self.incumbent}: only the strategy 'patterns' "
+                "is cut into parts or knows an incumbent; leave both out"
+            )
+        if self.part is not None and not 0 <= self.part[0] < self.part[1]:
+            raise ValueError(f"part = {list(self.part)}: write [i, n] with 0 <= i < n")
+        return self
+
+
+class Learning(Config):
+    """Classifiers and their cross-validation (section III.C)."""
+
+    folds: Annotated[int, Field(ge=2, le=20)] = 5
+    seed: Annotated[int, Field(ge=0)] = 0
+    tie_tolerance: Annotated[float, Field(ge=0, lt=0.1)] = 1e-3  # relative cost within which gaits tie
+    hidden_layers: Annotated[tuple[Widths, ...], Field(min_length=1)] = ((100, 80, 50), (80, 80, 70), (120, 70, 40))
+    learning_rates: Annotated[tuple[Rate, ...], Field(min_length=1)] = (1e-3, 1e-2)
+    weight_decays: Annotated[tuple[Weight, ...], Field(min_length=1)] = (1e-4, 1e-2)
+    max_epochs: Count = 300
+
+
+class Scenario(Config):
+    """Everything that defines a gait map. Frozen; equal scenarios have equal digests."""
+
+    name: Annotated[str, Field(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$", max_length=80)]
+    description: str = ""
+    robot: Robot
+    terrain: Terrain = Terrain()
+    objective: Objective
+    transcription: Transcription = Transcription()
+    stances_per_leg: Literal[1, None] = None  # 1: every leg touches down exactly once a cycle; null: any number
+    tasks: Tasks
+    strategy: Strategy = Strategy()
+    learning: Learning = Learning()
+
+    @model_validator(mode="after")
+    def _terms_agree(self) -> Scenario:
+        if self.objective.lateral_foot and self.robot.dimension == 2:
+            raise ValueError(
+                f"objective.lateral_foot = {self.objective.lateral_foot:g}: needs a robot with dimension 3, "
+                f"{self.robot.name} has 2; allowed is 0"
+            )
+        pattern = self.strategy.pattern
+        if pattern is not None:
+            rows = pattern.split("/")
+            legs, phases = self.robot.leg_names, self.transcription.phases
+            if len(rows) != len(legs) or any(len(row) != phases or row.strip("01") for row in rows):
+                raise ValueError(
+                    f"strategy.pattern = {short(pattern)}: write {len(legs)} rows (legs {', '.join(legs)}) of {phases} "
+                    "digits 0 (swing) or 1 (stance), joined by '/'"
+                )
+        return self
+
+    @property
+    def problem_digest(self) -> str:
+        """Digest of what a single solve depends on: robot, terrain, objective, transcription, stances."""
+        keys = ("robot", "terrain", "objective", "transcription", "stances_per_leg")
+        data = {key: value for key, value in self.as_data().items() if key in keys}
+        data["robot"] = {key: value for key, value in data["robot"].items() if key != "source"}  # prose, not physics
+        return digest_of(data)
+
+
+def digest_of(data: Any) -> str:
+    """SHA-256 of canonical JSON: sorted keys, no spaces, shortest float text."""
+    text = json.dumps(data, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def load_scenario(path: Path, robots: Path | None = None) -> Scenario:
+    """Read a scenario YAML and the robot it names.
+
+    `robots` is the folder of robot files; by default `../robots` beside the scenario's folder.
+    Raises ConfigError that names the file, the field, the value and what is allowed.
+    """
+    data = dict(require_mapping(read_yaml(path), str(path)))
+    folder = robots or path.resolve().parent.parent / "robots"
+    if "robot" not in data:
+        return Scenario.from_data(data, str(path))  # raises: every scenario names a robot
+    name = data["robot"]
+    known = sorted(file.stem for file in folder.glob("*.yaml"))
+    if not isinstance(name, str) or name not in known:
+        allowed = ", ".join(known) or f"none, as {folder} holds no .yaml file"
+        raise ConfigError(f"{path}: robot = {short(name)}: unknown robot; allowed: {allowed}")
+    data["robot"] = load_robot(folder / f"{name}.yaml").as_data()
+    return Scenario.from_data(data, str(path))

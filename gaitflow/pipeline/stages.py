@@ -1,0 +1,385 @@
+"""The stages of a map, each from files to files: solve -> label -> atlas -> train -> publish -> report.
+
+Pure functions of the packages below do the work; here they get their files, and only here.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from gaitflow.config.scenario import Scenario, digest_of
+from gaitflow.files import atomic_write
+from gaitflow.pipeline.workspace import Run, Workspace
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from gaitflow.config.cluster import Profile
+    from gaitflow.execute.run import RunState
+    from gaitflow.problem import GaitProblem
+    from gaitflow.report.claims import Claim
+    from gaitflow.runtime import Plan
+    from gaitflow.runtime.atlas import Atlas
+
+GUIDED_REMARK = (
+    "the search was guided: a pick counts as infeasible where it was not solved at that task, be it for want of a "
+    "motion or because a probe was too dear to go on with; regret is over the other picks"
+)
+KEPT_GAITS = 3  # cheapest gaits of a task that keep their trajectory in a published dataset
+
+PLAN_KEYS = (
+    "gait", "pattern", "probability", "in_domain", "distance", "durations", "cost", "feasible", "violation", "path",
+    "iterations", "select_ms", "predict_ms", "refine_ms", "time_ms",
+)  # fmt: skip
+
+
+class StageMissing(RuntimeError):
+    """An earlier stage has not run; the message says which command to give."""
+
+
+@dataclass(frozen=True)
+class PublishedRun:
+    """Where a run was published."""
+
+    version: str
+    dataset: Path
+    model: Path
+
+
+def solve(
+    workspace: Workspace, scenario: Scenario, workers: int, profile: Profile | None = None
+) -> tuple[RunState, Path]:
+    """Solve every unit that the store lacks and collect them into one file.
+
+    On `workers` processes of this machine, or with a profile on the jobs of a Slurm cluster.
+    """
+    from gaitflow.dataset.collect import collect
+    from gaitflow.execute.local import local_client
+    from gaitflow.execute.progress import progress
+    from gaitflow.execute.run import run_units
+    from gaitflow.execute.solver import longest_unit_s
+    from gaitflow.store.parts import UnitStore
+    from gaitflow.store.units import plan_units
+
+    store, units = UnitStore(workspace.run(scenario).folder), plan_units(scenario)
+    with progress(scenario.name) as on_event:
+        latest: list[RunState] = []
+
+        def remember(state: RunState) -> None:
+            latest[:] = [state]
+            on_event(state)
+
+        def tell(note: str) -> None:
+            on_event(replace(latest[0], notes=(note,)))
+
+        def open_client() -> AbstractContextManager[Any]:
+            if profile is None:
+                return local_client(workers)
+            from gaitflow.execute.schedulers.slurm import slurm_client
+
+            return slurm_client(profile, store.folder, longest_unit_s(units), tell)
+
+        state = run_units(units, store, open_client, remember)
+    return state, collect(store, scenario)
+
+
+def label(workspace: Workspace, scenario: Scenario) -> pd.DataFrame:
+    """Label every task with its cheapest gait; writes the labels and the gaits' costs."""
+    from gaitflow.config.tasks import tasks_of
+    from gaitflow.dataset import load_solutions
+    from gaitflow.dataset.gaps import GAP, gaps_between_knots
+    from gaitflow.dataset.labels import gait_costs, label_tasks, mark_failed
+
+    run = workspace.run(scenario)
+    _need(run.solutions, f"gaitflow solve {scenario.name}")
+    solutions = load_solutions(run.solutions)
+    costs = gait_costs(solutions.frame(), scenario.robot.leg_names)
+    labels = label_tasks(costs, tasks_of(scenario), scenario.learning.tie_tolerance)
+    labels = mark_failed(labels, solutions.frame())
+    labels[GAP] = gaps_between_knots(labels, solutions)
+    _write_frame(run.gait_costs, costs)
+    _write_frame(run.labels, labels)
+    return labels
+
+
+def train(workspace: Workspace, scenario: Scenario, constant: bool) -> dict[str, Any]:
+    """Train and judge the classifiers; writes the winner and how all of them did."""
+    import pandas as pd
+
+    from gaitflow.learn.nodes import node_labels
+    from gaitflow.learn.train import train as train_all
+    from gaitflow.problem import transcribe
+
+    run = workspace.run(scenario)
+    _need(run.labels, f"gaitflow label {scenario.name}")
+    _need(run.predictors, f"gaitflow atlas {scenario.name}")
+    labels, costs = pd.read_parquet(run.labels), pd.read_parquet(run.gait_costs)
+    known, gaits = _atlas_of(run, transcribe(scenario))
+    nodes = node_labels(known, scenario.learning.tie_tolerance)
+    training = train_all(labels, costs, scenario.learning, constant, (nodes, gaits))
+    data = training.as_data()
+    if scenario.strategy.name == "guided":
+        data["remarks"] = [*data["remarks"], GUIDED_REMARK]
+    atomic_write(run.classifier, training.onnx)
+    write_json(run.learning, data)
+    return data
+
+
+def atlas(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
+    """Grow the solved tasks of every labelled gait into an atlas; writes it and how its predictors did."""
+    import pandas as pd
+
+    from gaitflow.atlas.grow import grow
+    from gaitflow.atlas.predictors import build_atlas, table
+    from gaitflow.core.domain import Domain
+    from gaitflow.core.gaits import Pattern
+    from gaitflow.dataset import load_solutions
+    from gaitflow.learn.warmstarts import region_means, winning_patterns
+    from gaitflow.problem import transcribe
+    from gaitflow.runtime.atlas import atlas_bytes
+
+    run = workspace.run(scenario)
+    _need(run.labels, f"gaitflow label {scenario.name}")
+    labels, problem, solutions = pd.read_parquet(run.labels), transcribe(scenario), load_solutions(run.solutions)
+    starts = region_means(labels, solutions, problem.layout.pack)
+    gaits = [start.gait for start in starts]
+    patterns = winning_patterns(labels, starts)
+    tasks = scenario.tasks
+    feasible = tuple(map(tuple, _feasible(labels).to_numpy(dtype=bool).tolist()))
+    domain = Domain(tasks.speed.values, tasks.cycle_duration.values, feasible)
+    grown = grow(problem, [Pattern.from_text(pattern) for pattern in patterns], solutions, domain.contains)
+    built, rows = build_atlas(grown, [gaits.index(gait) for gait in patterns.values()])
+    data = {
+        "gaits": gaits,
+        "nodes": {f"{gaits[sheet.gait]} {sheet.pattern}": len(sheet.places) for sheet in built.sheets},
+        "solves": grown.solves,
+        "modes": max((len(sheet.modes) for sheet in built.sheets), default=0),
+        "predictors": table(rows),
+    }
+    atomic_write(run.atlas, atlas_bytes(built))
+    write_json(run.predictors, data)
+    return data
+
+
+def publish(workspace: Workspace, scenario: Scenario, version: str | None) -> PublishedRun:
+    """Publish the dataset and the map under one version; the same content is not published twice."""
+    import pandas as pd
+
+    from gaitflow.dataset import load_solutions
+    from gaitflow.dataset.provenance import made_by
+    from gaitflow.learn.warmstarts import region_means
+    from gaitflow.problem import transcribe
+    from gaitflow.publishing import Parts
+    from gaitflow.publishing import publish as publish_map
+    from gaitflow.publishing.dataset import publish_dataset
+    from gaitflow.solvers.ipopt import IPOPT_WARM
+
+    run = workspace.run(scenario)
+    _need(run.learning, f"gaitflow train {scenario.name}")
+    _need(run.predictors, f"gaitflow atlas {scenario.name}")
+    learning = read_json(run.learning)
+    labels = pd.read_parquet(run.labels)
+    problem = transcribe(scenario)
+    solutions = load_solutions(run.solutions)
+    starts = region_means(labels, solutions, problem.layout.pack)
+    predictors = read_json(run.predictors)
+    known, gaits = _atlas_of(run, problem)
+    parts = Parts(
+        problem=problem,
+        feasible=_feasible(labels).to_numpy(dtype=bool),
+        classifier=run.classifier.read_bytes(),
+        classifier_kind=learning["method"],
+        classes=learning["classes"],
+        starts=[start for start in starts if start.gait in learning["classes"]],
+        atlas=known.of([gaits.index(gait) for gait in learning["classes"]]),
+        dataset={"digest": solutions.record["units_digest"], "version": "units"},
+        code=made_by(),
+        metrics=learning | {"atlas": predictors},
+        solver_options=IPOPT_WARM,
+    )
+    model = publish_map(workspace.models, parts, version)
+    dataset = workspace.datasets / scenario.name / model.name
+    with _thinned(run) as solutions_file:
+        publish_dataset(dataset, solutions_file, run.labels, run.gait_costs)
+    done = PublishedRun(model.name, dataset, model)
+    write_json(run.published, {"version": done.version, "dataset": str(dataset), "model": str(model)})
+    return done
+
+
+def report(workspace: Workspace, scenario: Scenario) -> list[Path]:
+    """Draw the report of a run: figures and one page."""
+    import pandas as pd
+
+    from gaitflow.dataset import load_solutions
+    from gaitflow.report.report import write_report
+    from gaitflow.runtime import GaitMap
+
+    run = workspace.run(scenario)
+    _need(run.labels, f"gaitflow label {scenario.name}")
+    solutions = load_solutions(run.solutions)
+    gait_map = GaitMap.load(read_json(run.published)["model"]) if run.published.exists() else None
+    return write_report(
+        run.report,
+        scenario,
+        pd.read_parquet(run.labels),
+        list(solutions),
+        [gait.name for gait in gait_map.gaits] if gait_map else [],
+        (lambda v, t: gait_map.select_many(v, t).index) if gait_map else None,
+        read_json(run.learning) if run.learning.exists() else None,
+        solutions.record,
+    )
+
+
+def claims(workspace: Workspace) -> tuple[Claim, ...]:
+    """The paper's statements, measured on the newest published labels of its three scenarios."""
+    import pandas as pd
+
+    from gaitflow.publishing.dataset import LABELS
+    from gaitflow.report.claims import FIGURES, check_claims
+    from gaitflow.runtime.versions import versions_in
+
+    frames = {}
+    for name in FIGURES.values():
+        versions = versions_in(workspace.datasets / name)
+        if versions:
+            frames[name] = pd.read_parquet(workspace.datasets / name / str(versions[-1]) / LABELS)
+    return check_claims(frames)
+
+
+def verify(path: Path) -> list[str]:
+    """Every fault of a published model or dataset. Raises ValueError when `path` is neither."""
+    from gaitflow.dataset.read import FILE_NAME
+    from gaitflow.dataset.verify import verify_dataset
+    from gaitflow.publishing import verify as verify_map
+    from gaitflow.runtime.files import CLASSIFIER
+
+    if not path.is_dir():
+        raise ValueError(f"{path}: no such folder; give a version's folder such as models/<scenario>/1.0.0")
+    if (path / FILE_NAME).exists():
+        return verify_dataset(path)
+    if (path / CLASSIFIER).exists() or (path / "manifest.json").exists():
+        return [str(finding) for finding in verify_map(path)]
+    raise ValueError(f"{path}: holds neither a model nor a dataset; give a version's folder")
+
+
+def read_labels(dataset: Path) -> list[dict[str, Any]]:
+    """The labels of a published dataset, or of a labels file, as plain data; numbers that do not exist are None."""
+    import math
+
+    import pandas as pd
+
+    from gaitflow.dataset.gaps import GAP
+    from gaitflow.publishing.dataset import LABELS
+
+    path = dataset / LABELS if dataset.is_dir() else dataset
+    keys = [
+        "speed",
+        "cycle_duration",
+        "gait",
+        "pattern",
+        "cost",
+        "margin",
+        "runner_up",
+        "status",
+        "split",
+        "label",
+        GAP,
+    ]
+    try:
+        rows = pd.read_parquet(path)[[*keys, "ties"]].to_dict("records")
+    except (OSError, KeyError, ValueError) as error:
+        raise ValueError(f"{path}: no readable labels ({error})") from None
+    return [
+        {str(k): None if isinstance(v, float) and not math.isfinite(v) else v for k, v in row.items()}
+        | {"ties": list(row["ties"])}
+        for row in rows
+    ]
+
+
+def plan_data(plan: Plan) -> dict[str, Any]:
+    """A plan as plain data, without its trajectory."""
+    import math
+
+    data = {key: getattr(plan, key) for key in PLAN_KEYS}
+    data = {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in data.items()}
+    return data | {"durations": plan.durations.tolist()}
+
+
+def refused_data() -> dict[str, Any]:
+    """What stands in the place of a plan for a task outside the map's domain."""
+    return dict.fromkeys(PLAN_KEYS) | {"in_domain": False, "feasible": False, "path": "refused"}
+
+
+def summary(scenario: Scenario) -> dict[str, Any]:
+    """What a scenario asks for, in a few numbers."""
+    from gaitflow.config.tasks import tasks_of
+    from gaitflow.problem import transcribe
+    from gaitflow.search.exhaustive import candidate_patterns
+    from gaitflow.store.units import plan_units
+
+    problem = transcribe(scenario)
+    return {
+        "scenario": scenario.name,
+        "robot": scenario.robot.name,
+        "tasks": len(tasks_of(scenario)),
+        "patterns": len(candidate_patterns(scenario)),
+        "units": len(plan_units(scenario)),
+        "variables": problem.layout.nw,
+        "rows": problem.ng,
+        "digest": digest_of(scenario.as_data()),
+    }
+
+
+def write_json(path: Path, data: Any) -> None:
+    """Write plain data as JSON, whole or not at all."""
+    atomic_write(path, (json.dumps(data, indent=1, allow_nan=False) + "\n").encode())
+
+
+def read_json(path: Path) -> Any:
+    """Read a JSON file of ours."""
+    return json.loads(path.read_bytes())
+
+
+def _atlas_of(run: Run, problem: GaitProblem) -> tuple[Atlas, list[str]]:
+    """The atlas of a run, and the names of its gaits."""
+    from gaitflow.publishing import runtime_layout
+    from gaitflow.runtime.atlas import parse_atlas
+
+    gaits: list[str] = read_json(run.predictors)["gaits"]
+    return parse_atlas(run.atlas.read_bytes(), len(gaits), runtime_layout(problem), str(run.atlas)), gaits
+
+
+def _feasible(labels: pd.DataFrame) -> pd.DataFrame:
+    """Which tasks of the grid, speeds by cycle durations, have a feasible gait."""
+    grid = labels[labels["split"] == "grid"]
+    return grid.assign(ok=grid["status"] == "solved").pivot(index="speed", columns="cycle_duration", values="ok")
+
+
+@contextmanager
+def _thinned(run: Run) -> Iterator[Path]:
+    """The dataset as it is published, with the trajectories of the cheapest gaits only."""
+    from gaitflow.dataset.collect import thin
+
+    target = run.folder / "thin-solutions.parquet"
+    try:
+        yield thin(run.solutions, target, KEPT_GAITS)
+    finally:
+        target.unlink(missing_ok=True)
+
+
+def _write_frame(path: Path, frame: pd.DataFrame) -> None:
+    import io
+
+    buffer = io.BytesIO()
+    frame.to_parquet(buffer, index=False)
+    atomic_write(path, buffer.getvalue())
+
+
+def _need(path: Path, command: str) -> None:
+    if not path.exists():
+        raise StageMissing(f"{path} is missing: run `{command}` first")

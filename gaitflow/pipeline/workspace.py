@@ -1,0 +1,107 @@
+"""Where a project keeps what: scenario files in, run state, published datasets and models out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from gaitflow.config.file import ConfigError
+from gaitflow.config.scenario import Scenario, load_scenario
+
+
+@dataclass(frozen=True)
+class Run:
+    """The folder of one scenario's run and the files that its stages hand on."""
+
+    folder: Path
+
+    @property
+    def solutions(self) -> Path:
+        """Every solve of the scenario, collected from the store."""
+        return self.folder / "solutions.parquet"
+
+    @property
+    def labels(self) -> Path:
+        """The best gait of each task."""
+        return self.folder / "labels.parquet"
+
+    @property
+    def gait_costs(self) -> Path:
+        """The least cost of each gait at each task."""
+        return self.folder / "gait_costs.parquet"
+
+    @property
+    def learning(self) -> Path:
+        """How the classifiers did, and which one won."""
+        return self.folder / "learning" / "learning.json"
+
+    @property
+    def classifier(self) -> Path:
+        """The classifier that won, as ONNX."""
+        return self.folder / "learning" / "classifier.onnx"
+
+    @property
+    def atlas(self) -> Path:
+        """Solved tasks of every gait, dense enough to predict starts between them; their gaits in `predictors`."""
+        return self.folder / "learning" / "atlas.safetensors"
+
+    @property
+    def predictors(self) -> Path:
+        """The gaits of the atlas, in its order, and how the predictors of starts did."""
+        return self.folder / "learning" / "predictors.json"
+
+    @property
+    def published(self) -> Path:
+        """Which dataset and model the run was published as."""
+        return self.folder / "published.json"
+
+    @property
+    def report(self) -> Path:
+        """The folder of the report."""
+        return self.folder / "report"
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """A folder with `configs/`, where `runs/`, `datasets/` and `models/` grow."""
+
+    root: Path
+
+    @property
+    def datasets(self) -> Path:
+        """Published datasets, a folder a scenario."""
+        return self.root / "datasets"
+
+    @property
+    def models(self) -> Path:
+        """Published maps, a folder a scenario."""
+        return self.root / "models"
+
+    @property
+    def results(self) -> Path:
+        """Documents of the benches."""
+        return self.root / "docs" / "results"
+
+    def run(self, scenario: Scenario) -> Run:
+        """The run of a scenario."""
+        return Run(self.root / "runs" / scenario.name)
+
+    def scenario(self, name: str) -> Scenario:
+        """The scenario called `name` in configs/scenarios, or in a YAML file of that path.
+
+        Raises ConfigError when there is none, listing those there are, and when the file cannot be used.
+        """
+        folder = self.root / "configs" / "scenarios"
+        robots = self.root / "configs" / "robots"
+        if name.endswith((".yaml", ".yml")):
+            return load_scenario(Path(name), robots if robots.is_dir() else None)
+        known = sorted(path.stem for path in folder.glob("*.yaml"))
+        if name not in known:
+            there = f"there are {', '.join(known)}" if known else "it holds none"
+            raise ConfigError(f"scenario {name!r}: no such file in {folder}; {there}; a path ending in .yaml works too")
+        scenario = load_scenario(folder / f"{name}.yaml", robots)
+        if scenario.name != name:
+            raise ConfigError(
+                f"{folder / name}.yaml: name = {scenario.name!r}: must be {name!r}, as the file is called"
+            )
+        return scenario

@@ -1,0 +1,78 @@
+"""The artifact's problem with its first and second derivatives, evaluated into arrays that are never allocated anew."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitflow.core.trajectory import Array
+
+Places = tuple[NDArray[np.intp], NDArray[np.intp]]
+
+
+def derivatives(problem: Any) -> Any:
+    """The CasADi function (w [nw], task [2], multipliers [ng]) -> (cost, rows, gradient, Jacobian, Hessian).
+
+    `problem` is the artifact's (w, task) -> (cost, rows); the Hessian is the upper triangle of the Lagrangian's,
+    cost + multipliers @ rows. Built once a map; evaluating it takes no compiler.
+    """
+    import casadi
+
+    w = casadi.SX.sym("w", problem.numel_in(0))
+    task = casadi.SX.sym("task", problem.numel_in(1))
+    multipliers = casadi.SX.sym("multipliers", problem.numel_out(1))
+    cost, rows = problem(w, task)
+    hessian, _ = casadi.hessian(cost + casadi.dot(multipliers, rows), w)
+    gradient = casadi.densify(casadi.gradient(cost, w))
+    results = [cost, rows, gradient, casadi.jacobian(rows, w), casadi.triu(hessian)]
+    return casadi.Function("derivatives", [w, task, multipliers], results)
+
+
+class Program:
+    """A problem and its `derivatives`, one evaluation at a time; its arrays hold the last one's values. For one thread.
+
+    cost [1], rows [ng], gradient [nw]; jacobian and hessian are the values of fixed places, (row, column) each:
+    `jacobian_places` and, upper triangle, `hessian_places`.
+    """
+
+    def __init__(self, problem: Any, function: Any) -> None:
+        self.variables, self.row_count = function.numel_in(0), function.numel_in(2)
+        self.jacobian_places = _places(function.sparsity_out(3))
+        self.hessian_places = _places(function.sparsity_out(4))
+        self._inputs = [np.zeros(function.numel_in(i)) for i in range(function.n_in())]
+        self.cost, self.rows, self.gradient, self.jacobian, self.hessian = (
+            np.zeros(function.nnz_out(i)) for i in range(function.n_out())
+        )
+        every = [self.cost, self.rows, self.gradient, self.jacobian, self.hessian]
+        self._buffers: list[Any] = []  # which have to live as long as what evaluates into them
+        self._evaluate = self._bound(function, self._inputs, every)
+        self._evaluate_rows = self._bound(problem, self._inputs[:2], every[:2])
+
+    def evaluate(self, w: Array, task: Array, multipliers: Array) -> None:
+        """Evaluate all at w [nw], task [2] = (v, T) and multipliers [ng]."""
+        for array, value in zip(self._inputs, (w, task, multipliers), strict=True):
+            array[:] = value
+        self._evaluate()
+
+    def evaluate_rows(self, w: Array, task: Array) -> None:
+        """Evaluate cost and rows only, in an eighth of the time in space."""
+        self._inputs[0][:], self._inputs[1][:] = w, task
+        self._evaluate_rows()
+
+    def _bound(self, function: Any, inputs: Sequence[Array], results: Sequence[Array]) -> Callable[[], None]:
+        """The function between these arrays; its buffer has a memory of its own, so threads may each have one."""
+        buffer, evaluate = function.buffer()
+        for index, array in enumerate(inputs):
+            buffer.set_arg(index, array.data)
+        for index, array in enumerate(results):
+            buffer.set_res(index, array.data)
+        self._buffers.append(buffer)
+        return evaluate
+
+
+def _places(sparsity: Any) -> Places:
+    rows, columns = sparsity.get_triplet()
+    return np.asarray(rows, dtype=np.intp), np.asarray(columns, dtype=np.intp)

@@ -1,0 +1,1 @@
+"""Single-rigid-body robots from robot descriptions (URDF)."""

@@ -1,0 +1,114 @@
+"""Robot descriptions (URDF, SRDF) as checked text: a size limit, no entities, a sane number of links, no other file."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitflow.config.file import ConfigError
+
+Array = NDArray[np.float64]
+
+MAX_BYTES = 4_000_000
+MAX_ELEMENTS = 50_000
+MAX_LINKS = 1_000  # a legged robot has some dozens; the tree is walked recursively by the library that reads it
+NEGLIGIBLE = 0.01  # of all links' moments: makers give cameras and empty base links placeholders that no body has
+MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+INSTALLED = ("share", "site-packages")  # folders below which a path is the same on every machine
+
+
+@dataclass(frozen=True)
+class Description:
+    """One URDF or SRDF file: its text, the robot's name and its links' mass [kg]. What it refers to is never opened."""
+
+    path: Path
+    name: str
+    text: str
+    mass: float
+
+    @property
+    def label(self) -> str:
+        """What a result may call it."""
+        return label_of(self.path)
+
+
+def label_of(path: Path) -> str:
+    """A path from where packages are installed on, or the file's name alone: the same on every machine."""
+    parts = path.absolute().parts
+    below = [index + 1 for index, part in enumerate(parts[:-1]) if part in INSTALLED]
+    return "/".join(parts[below[-1] :]) if below else path.name
+
+
+def read_description(path: Path) -> Description:
+    """Read a URDF or SRDF. Raises ConfigError: not readable, too large, not XML of a <robot>, or with a DOCTYPE."""
+    try:
+        with path.open("rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read ({error.strerror})") from None
+    if len(content) > MAX_BYTES:
+        raise ConfigError(f"{path}: more than {MAX_BYTES} bytes, the most a robot description may have")
+    try:
+        text = content.decode()
+    except UnicodeDecodeError as error:
+        raise ConfigError(f"{path}: not UTF-8 text ({error.reason} at byte {error.start})") from None
+    if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
+        raise ConfigError(f"{path}: has a DOCTYPE or ENTITY, which a robot description does not need: remove it")
+    try:
+        root = ElementTree.fromstring(text)
+    except (ElementTree.ParseError, ValueError) as error:
+        raise ConfigError(f"{path}: not valid XML ({error}); a .xacro must be expanded to a URDF first") from None
+    name = root.get("name")
+    if root.tag != "robot" or not name:
+        raise ConfigError(f"{path}: expected <robot name=...>, found <{root.tag[:40]}>")
+    elements, links = sum(1 for _ in root.iter()), len(root.findall("link"))
+    if elements > MAX_ELEMENTS or links > MAX_LINKS:
+        raise ConfigError(
+            f"{path}: {elements} elements, {links} links; the most it may have are {MAX_ELEMENTS} and {MAX_LINKS}"
+        )
+    bodies = {link.get("name"): _body(path, link) for link in root.iterfind("link[inertial]")}
+    _check_moments(path, {link: inertia for link, (_, inertia) in bodies.items()})
+    return Description(path, name, text, sum(mass for mass, _ in bodies.values()))
+
+
+def _body(path: Path, link: ElementTree.Element) -> tuple[float, Array]:
+    """Mass [kg] and inertia [3, 3] kg m^2 of a link, whose numbers must all be numbers: urdfdom would go on without."""
+    stated = {"mass": ("value",), "inertia": MOMENTS}
+    texts: dict[str, str] = {}
+    for part, keys in stated.items():
+        element = link.find(f"inertial/{part}")
+        texts |= {f"{part} {key}": "" if element is None else element.get(key, "") for key in keys}
+    for what, text in texts.items():
+        if not math.isfinite(_number(text)) or float(texts["mass value"]) < 0:
+            raise ConfigError(
+                f"{path}: link {link.get('name')!r} has {what} = {text[:40]!r}: must be a number, mass >= 0"
+            )
+    xx, xy, xz, yy, yz, zz = (float(texts[f"inertia {key}"]) for key in MOMENTS)
+    return float(texts["mass value"]), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+
+def _check_moments(path: Path, inertias: Mapping[str | None, Array]) -> None:
+    """Raises ConfigError for a link whose inertia no body has, unless what is wrong is too little to matter."""
+    moments = {link: np.linalg.eigvalsh(inertia) for link, inertia in inertias.items()}
+    total = sum(float(np.abs(own).max()) for own in moments.values())
+    for link, own in moments.items():
+        if own[2] - own[1] - own[0] > NEGLIGIBLE * total:  # of a negative moment, too: own is sorted
+            raise ConfigError(
+                f"{path}: link {link!r} has an inertia with the principal moments "
+                f"{' and '.join(f'{moment:.4g}' for moment in own)} kg m^2; of a body none is negative or larger than "
+                "the sum of the other two"
+            )
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan

@@ -1,0 +1,96 @@
+"""A small planar scenario, its units, and solutions with arrays of its shapes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gaitflow.config.scenario import Scenario, load_scenario
+from gaitflow.core.trajectory import Trajectory
+from gaitflow.dataset.schema import Sizes
+from gaitflow.search.solution import Multipliers, Solution
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import Unit, plan_units
+
+PATTERNS = ("0110/1100", "0011/1001", "0101/0101")
+
+
+@pytest.fixture(scope="session")
+def scenario(checkout: Path) -> Scenario:
+    """Quickstart with 3 speeds, 2 durations, 3 held-out tasks, chains of 2 tasks and 2 knots a phase."""
+    data = load_scenario(checkout / "configs/scenarios/quickstart.yaml").as_data()
+    data["transcription"]["knots_per_phase"] = 2
+    data["tasks"] = {
+        "speed": {"start": 0.1, "stop": 2.1, "count": 3},
+        "cycle_duration": {"start": 0.4, "stop": 1.2, "count": 2},
+        "held_out": 3,
+    }
+    data["strategy"]["tasks_per_unit"] = 2
+    return Scenario.from_data(data, "test")
+
+
+@pytest.fixture(scope="session")
+def units(scenario: Scenario) -> tuple[Unit, ...]:
+    return plan_units(scenario)
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> UnitStore:
+    return UnitStore(tmp_path / "runs" / "test")
+
+
+@pytest.fixture(scope="session")
+def make_solutions() -> Callable[[Unit], list[Solution]]:
+    """For every task three rows: a solved one, a dearer one of the same gait, and an infeasible one without arrays."""
+    return solutions_of
+
+
+def solutions_of(unit: Unit) -> list[Solution]:
+    generator = np.random.default_rng(int(unit.digest[:8], 16))
+    sizes = Sizes.of(unit.scenario)
+    rows = []
+    for task in unit.tasks:
+        for i, pattern in enumerate(PATTERNS):
+            row = Solution(
+                speed=task.speed,
+                cycle_duration=task.cycle_duration,
+                split=task.split,
+                pattern=pattern,
+                gait=PATTERNS[0],
+                strategy="patterns",
+                start="nominal",
+                seed=0,
+                status="solved",
+                solver_status="Solve_Succeeded",
+                cost=100.0 * task.speed + i,
+                violation=1e-9,
+                iterations=20,
+                solves=1,
+                wall_s=0.1,
+                cpu_s=float(generator.uniform()),
+                trajectory=random_trajectory(generator, sizes),
+                multipliers=Multipliers(generator.normal(size=9), generator.normal(size=7)),
+            )
+            if i == 2:
+                row = replace(
+                    row, status="infeasible", cost=math.nan, violation=math.nan, trajectory=None, multipliers=None
+                )
+            rows.append(row)
+    return rows
+
+
+def random_trajectory(generator: np.random.Generator, sizes: Sizes) -> Trajectory:
+    k, legs, d = sizes.steps, sizes.legs, sizes.dimension
+    return Trajectory(
+        times=np.linspace(0, 1, k + 1),
+        base=generator.normal(size=(k + 1, sizes.base_states)),
+        feet=generator.normal(size=(k + 1, legs, d)),
+        forces=generator.normal(size=(k, legs, d)),
+        foot_velocities=generator.normal(size=(k, legs, d)),
+        durations=generator.uniform(size=sizes.phases),
+    )

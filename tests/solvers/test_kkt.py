@@ -1,0 +1,98 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gaitflow.publishing import Parts
+from gaitflow.solvers.kkt import DUAL, PRIMAL, Kkt, NotFactorised
+from gaitflow.solvers.point import GaitSpace
+from gaitflow.solvers.program import Program
+
+TASK, UNIT = np.array([0.8, 0.7]), 3.0
+GAITS = ("walking", "gallop")
+
+
+def evaluate(program: Program, parts: Parts, gait: str, multipliers: float) -> None:
+    """The program near the gait's start, with random multipliers of some size."""
+    rng = np.random.default_rng(4)
+    start = next(each for each in parts.starts if each.gait == gait)
+    w = start.primal + 0.02 * rng.normal(size=program.variables)
+    program.evaluate(w, TASK, multipliers * rng.normal(size=program.row_count))
+
+
+def dense(program: Program, space: GaitSpace, variables: np.ndarray, unequal: np.ndarray) -> np.ndarray:
+    """The matrix of the module's picture, without its small numbers."""
+    hessian = np.zeros((program.variables, program.variables))
+    hessian[program.hessian_places] = program.hessian / UNIT
+    hessian += np.triu(hessian, 1).T
+    jacobian = np.zeros((program.row_count, program.variables))
+    jacobian[program.jacobian_places] = program.jacobian
+    rows = np.concatenate([space.equal, space.unequal])
+    jacobian = jacobian[np.ix_(rows, space.free)]
+    corner = np.diag(np.concatenate([np.zeros(len(space.equal)), -unequal]) - DUAL)
+    return np.block(
+        [[hessian[np.ix_(space.free, space.free)] + np.diag(variables + PRIMAL), jacobian.T], [jacobian, corner]]
+    )
+
+
+@pytest.mark.parametrize("gait", GAITS)
+def test_solves_as_a_dense_matrix_does(program: Program, spaces: dict, parts: Parts, gait: str) -> None:
+    space, rng = spaces[gait], np.random.default_rng(0)
+    kkt = Kkt(program, space)
+    for multipliers in (0.0, 1e-3, 1e-2):  # the matrix is updated, not built anew
+        evaluate(program, parts, gait, multipliers)
+        variables, unequal = rng.uniform(0.5, 2, len(space.free)), rng.uniform(0.5, 2, len(space.unequal))
+        right = rng.normal(size=len(space.free) + space.rows)
+        expected = np.linalg.solve(dense(program, space, variables, unequal), right)
+        found = kkt.solve(UNIT, variables, unequal, right)
+        assert np.abs(found - expected).max() <= 1e-7 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("gait", GAITS)
+def test_transposed_jacobian_is_the_gaits_part(program: Program, spaces: dict, parts: Parts, gait: str) -> None:
+    space = spaces[gait]
+    kkt = Kkt(program, space)
+    evaluate(program, parts, gait, 1.0)
+    multipliers = np.random.default_rng(1).normal(size=space.rows)
+    matrix = dense(program, space, np.zeros(len(space.free)), np.zeros(len(space.unequal)))
+    expected = matrix[: len(space.free), len(space.free) :] @ multipliers
+    np.testing.assert_allclose(kkt.transposed_jacobian(multipliers), expected, rtol=1e-10, atol=1e-10)
+
+
+@pytest.mark.parametrize("gait", GAITS)
+def test_an_indefinite_hessian_is_corrected(program: Program, spaces: dict, parts: Parts, gait: str) -> None:
+    space, free = spaces[gait], len(spaces[gait].free)
+    kkt = Kkt(program, space)
+    evaluate(program, parts, gait, 0.1)
+    variables, unequal = np.zeros(free), np.full(len(space.unequal), 1e3)
+    right = np.random.default_rng(2).normal(size=free + space.rows)
+    matrix = dense(program, space, variables, unequal)
+    assert (np.linalg.eigvalsh(matrix) < 0).sum() > space.rows, "H is not indefinite where it matters"
+    found = kkt.solve(UNIT, variables, unequal, right, correct=True)
+    missing = (right - matrix @ found)[:free]
+    lift = missing @ found[:free] / (found[:free] @ found[:free])
+    assert lift > 1e-5, "nothing was corrected"
+    matrix[:free, :free] += lift * np.eye(free)
+    assert (np.linalg.eigvalsh(matrix) < 0).sum() == space.rows
+    np.testing.assert_allclose(matrix @ found, right, atol=1e-5 * np.abs(found).max())
+
+
+def test_a_matrix_beyond_correction_is_said(program: Program, spaces: dict, parts: Parts) -> None:
+    space = spaces["gallop"]
+    kkt = Kkt(program, space)
+    evaluate(program, parts, "gallop", 1e6)
+    variables, unequal = np.zeros(len(space.free)), np.full(len(space.unequal), 1e3)
+    right = np.ones(len(space.free) + space.rows)
+    with pytest.raises(NotFactorised, match="no factorisation with"):
+        kkt.solve(UNIT, variables, unequal, right, correct=True)
+    evaluate(program, parts, "gallop", 0.0)
+    assert np.isfinite(kkt.solve(UNIT, variables + 1, unequal, right, correct=True)).all(), "the next one is not lost"
+
+
+def test_what_is_not_a_number_has_no_factorisation(program: Program, spaces: dict, parts: Parts) -> None:
+    space = spaces["walking"]
+    evaluate(program, parts, "walking", 0.0)
+    program.hessian[:] = np.nan
+    ones = np.ones(len(space.free))
+    with pytest.raises(NotFactorised):
+        Kkt(program, space).solve(UNIT, ones, ones[: len(space.unequal)], np.ones(len(ones) + space.rows), correct=True)

@@ -1,0 +1,188 @@
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from gaitflow.config.scenario import Scenario, digest_of, load_scenario
+from gaitflow.config.tasks import tasks_of
+from gaitflow.store import units as module
+from gaitflow.store.units import Unit, plan_exhaustive, plan_units, source_digest
+
+Edit = Callable[[dict[str, Any]], Any]
+
+
+def digests(scenario: Scenario, edit: Edit = lambda data: None) -> set[str]:
+    data = scenario.as_data()
+    edit(data)
+    return {unit.digest for unit in plan_units(Scenario.from_data(data, "test"))}
+
+
+def bonmin(data: dict[str, Any], restarts: int = 12, seed: int = 3) -> None:
+    data["strategy"] |= {"name": "bonmin", "restarts": restarts, "seed": seed}
+
+
+def test_chains_hold_one_duration_and_rising_speeds(units: tuple[Unit, ...]) -> None:
+    grid = [unit for unit in units if unit.tasks[0].split == "grid"]
+    assert [len(unit.tasks) for unit in grid] == [2, 1, 2, 1]
+    for unit in grid:
+        assert len({task.cycle_duration for task in unit.tasks}) == 1
+        assert [task.speed for task in unit.tasks] == sorted(task.speed for task in unit.tasks)
+    assert [len(unit.tasks) for unit in units if unit.tasks[0].split == "held_out"] == [2, 1]
+
+
+@pytest.mark.parametrize("strategy", ["patterns", "bonmin"])
+def test_every_task_and_seed_is_in_exactly_one_unit(scenario: Scenario, strategy: str) -> None:
+    data = scenario.as_data()
+    if strategy == "bonmin":
+        bonmin(data)
+    planned = Scenario.from_data(data, "test")
+    seeds: list[int | None] = [None] if strategy == "patterns" else list(range(3, 15))
+    slots = [(task, seed) for unit in plan_units(planned) for task in unit.tasks for seed in unit.seeds or (None,)]
+    assert len(slots) == len(set(slots))
+    assert set(slots) == {(task, seed) for task in tasks_of(planned) for seed in seeds}
+
+
+def test_more_restarts_keep_the_units_solved_before(scenario: Scenario) -> None:
+    assert digests(scenario, lambda d: bonmin(d, 10)) < digests(scenario, lambda d: bonmin(d, 20))
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        lambda data: data.update(description="other words", name="other"),
+        lambda data: data["learning"].update(folds=7, max_epochs=5),
+        lambda data: data["robot"].update(source="measured again"),
+    ],
+)
+def test_what_changes_no_solution_changes_no_unit(scenario: Scenario, edit: Edit) -> None:
+    assert digests(scenario, edit) == digests(scenario)
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        lambda data: data["robot"].update(mass=15.0),
+        lambda data: data["terrain"].update(slope_deg=5.0),
+        lambda data: data["objective"].update(tilt=1.0),
+        lambda data: data["transcription"].update(knots_per_phase=3),
+        lambda data: data.update(stances_per_leg=None),
+        lambda data: data["strategy"].update(restarts=9),
+        lambda data: data["strategy"].update(seed=9),
+    ],
+)
+def test_what_changes_a_solution_changes_every_unit(scenario: Scenario, edit: Edit) -> None:
+    assert not digests(scenario, edit) & digests(scenario)
+
+
+def test_another_row_of_the_grid_adds_units_and_keeps_the_rest(scenario: Scenario) -> None:
+    def add_row(data: dict[str, Any]) -> None:
+        data["tasks"] |= {"cycle_duration": {"start": 0.4, "stop": 2.0, "count": 3}, "held_out": 0}
+
+    before = digests(scenario, lambda data: data["tasks"].update(held_out=0))
+    assert before < digests(scenario, add_row)
+
+
+def test_json_is_complete_and_comes_back_equal(scenario: Scenario, units: tuple[Unit, ...]) -> None:
+    for unit in units:
+        again = Unit.from_data(json.loads(json.dumps(unit.as_data())))
+        assert again == unit and again.digest == unit.digest
+        rebuilt = again.scenario
+        assert rebuilt.objective == scenario.objective and rebuilt.transcription == scenario.transcription
+        assert rebuilt.robot.mass == scenario.robot.mass and rebuilt.stances_per_leg == scenario.stances_per_leg
+        assert rebuilt.strategy.restarts == scenario.strategy.restarts
+
+
+def test_a_bonmin_unit_carries_its_own_restarts(scenario: Scenario) -> None:
+    data = scenario.as_data()
+    bonmin(data, restarts=7, seed=3)
+    first, second = plan_units(Scenario.from_data(data, "test"))[:2]
+    assert first.seeds == (3, 4, 5, 6, 7) and second.seeds == (8, 9)
+    assert (second.scenario.strategy.seed, second.scenario.strategy.restarts) == (8, 2)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda data: data.pop("seeds"),
+        lambda data: data.update(tasks=[[1.0, 0.5]]),
+        lambda data: data.update(tasks=[[1.0, 0.5, "train"]]),
+        lambda data: data["problem"].pop("robot"),
+        lambda data: data["problem"]["robot"].update(mass=-1.0),
+    ],
+)
+def test_foreign_data_are_refused(units: tuple[Unit, ...], damage: Edit) -> None:
+    data = units[0].as_data()
+    damage(data)
+    with pytest.raises(ValueError, match=r"not a unit of work|not enough values"):
+        _ = Unit.from_data(data).scenario
+
+
+def test_code_digest_is_blind_to_comments_and_docstrings_only() -> None:
+    code = 'def f(x):\n    """Doc."""\n    return x + 1\n'
+    prose = '"""Module."""\n# why\n\ndef f(x):\n    """Other."""\n    return (x + 1)\n'
+    assert source_digest({"a.py": code}) == source_digest({"a.py": prose})
+    assert source_digest({"a.py": code}) != source_digest({"a.py": code.replace("1", "2")})
+    assert source_digest({"a.py": code}) != source_digest({"b.py": code})
+
+
+def test_code_version_reads_the_solving_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = module.solver_version.__wrapped__()
+    monkeypatch.setattr(module, "SOLVER_SOURCES", ("core/gaits.py",))
+    assert before["casadi"] and module.solver_version.__wrapped__()["code"] != before["code"]
+
+
+def test_code_version_is_part_of_the_digest(scenario: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = digests(scenario)
+    monkeypatch.setattr(module, "solver_version", lambda: {"code": "other", "casadi": "0"})
+    assert not before & digests(scenario)
+
+
+GOLDEN = [
+    ("quickstart", {}, 5, "57e9e6d52d27d53f", "4cf1069766c385a3"),
+    ("half-cheetah-slope20-vibration", {}, 21, "c47eb94b596acd14", "229bc441dfa0e237"),
+    ("anymal-flat-vibration", {}, 19, "2552741bf351a630", "4397c605d85eec1c"),
+    ("quickstart", {"name": "bonmin", "restarts": 7}, 60, "f3b1d1aa45e4b8da", "b8d5c6937f9d9ffc"),
+    ("quickstart", {"name": "fixed_gait", "pattern": "0110/1100"}, 5, "4833ccdd03f71e25", "b25187cc6065cb2f"),
+]
+
+
+def shipped(checkout: Path, name: str, strategy: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> Scenario:
+    """A scenario of the project, planned with a solver's version that never changes."""
+    monkeypatch.setattr(module, "solver_version", lambda: {"code": "0" * 64, "casadi": "3.8.0"})
+    data = load_scenario(checkout / f"configs/scenarios/{name}.yaml").as_data()
+    data["strategy"] |= strategy
+    return Scenario.from_data(data, name)
+
+
+@pytest.mark.parametrize(("name", "strategy", "count", "first", "together"), GOLDEN)
+def test_names_of_stored_units_never_change(
+    checkout: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    name: str,
+    strategy: dict[str, Any],
+    count: int,
+    first: str,
+    together: str,
+) -> None:
+    """These digests name files in stores that exist: another one here means that all is solved again."""
+    units = plan_units(shipped(checkout, name, strategy, monkeypatch))
+    assert (len(units), units[0].digest[:16]) == (count, first)
+    assert digest_of([unit.digest for unit in units])[:16] == together
+
+
+def test_names_of_the_certificate_s_units_never_change(checkout: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scenario = shipped(checkout, "quickstart", {}, monkeypatch)
+    slow, fast = plan_units(scenario)[0].tasks[:2]
+    units = plan_exhaustive(scenario, {slow: 12.5, fast: 1e-7}, 3)
+    assert digest_of([unit.digest for unit in units])[:16] == "8b319b45905e57cd"
+
+
+def test_a_unit_s_name_is_the_digest_of_its_data(checkout: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, strategy, *_ in GOLDEN:
+        for unit in plan_units(shipped(checkout, name, strategy, monkeypatch)):
+            assert unit.digest == digest_of(unit.as_data())
+            assert Unit.from_data(json.loads(json.dumps(unit.as_data()))).digest == unit.digest
