@@ -20,7 +20,7 @@ from benchmarks.search.pattern_count import count_patterns
 from gaitflow.config.scenario import Scenario, Transcription
 from gaitflow.core.gaits import Pattern
 from gaitflow.problem import transcribe
-from gaitflow.problem.layout import layout_of
+from gaitflow.core.layout import layout_of
 from gaitflow.search import starts
 from gaitflow.solvers.ipopt import IPOPT, FixedGaitSolver, Start
 

@@ -130,6 +130,20 @@ class Robot(Config):
         swap = {a: b for a, b in self.mirror} | {b: a for a, b in self.mirror}
         return tuple(self.leg_names.index(swap.get(name, name)) for name in self.leg_names)
 
+    @property
+    def reversal_permutation(self) -> tuple[int, ...] | None:
+        """For each leg the index of the leg in its place when the body faces the other way; None when it is not alike.
+
+        Front and hind swap, left and right stay: time run backwards by such a body is a motion forwards.
+        """
+        feet = [leg.default_foot for leg in self.legs]
+        images = [(-foot[0], *foot[1:]) for foot in feet]
+        if any(image not in feet for image in images) or len(set(feet)) != len(feet):
+            return None
+        if self.dimension == 3 and any(self.inertia[0][other] for other in (1, 2)):
+            return None
+        return tuple(feet.index(image) for image in images)
+
 
 def load_robot(path: Path) -> Robot:
     """Read a robots YAML. Raises ConfigError that names the file, field, value and what is allowed."""

@@ -1,14 +1,15 @@
 """A scenario S = [task, environment, objective] of the paper (section III.A), and how to solve and learn it.
 
-A scenario file is data: it names a robot, a terrain, an objective, a transcription, a grid of tasks, a
-search strategy and learning settings. `load_scenario` resolves the robot's name to its parameters, so that a
-`Scenario` is complete: its JSON is all that a worker, a dataset or an artifact needs to know.
+A scenario file is data: it names a robot, an objective, a transcription, the axes of its tasks (the terrain's slope and
+friction among them), a search strategy and learning settings. `load_scenario` resolves the robot's name to its
+parameters, so that a `Scenario` is complete: its JSON is all that a worker, a dataset or an artifact needs to know.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+from difflib import get_close_matches
 from pathlib import Path
 from reprlib import repr as short
 from typing import Annotated, Any, Literal
@@ -18,6 +19,9 @@ from pydantic import Field, field_validator, model_validator
 
 from gaitflow.config.file import Config, ConfigError, read_yaml, require_mapping
 from gaitflow.config.robot import Robot, load_robot
+from gaitflow.core.gaits import Symmetry
+from gaitflow.core.task import AXES, Task, span
+from gaitflow.core.task_space import TaskSpace
 
 Weight = Annotated[float, Field(ge=0)]
 Count = Annotated[int, Field(ge=1)]
@@ -25,17 +29,11 @@ Widths = Annotated[tuple[Count, ...], Field(min_length=1)]
 Rate = Annotated[float, Field(gt=0)]
 
 
-class Terrain(Config):
-    """A slope (the environment Omega): inclination gamma [degrees, uphill positive], friction coefficient mu."""
-
-    slope_deg: Annotated[float, Field(gt=-60, lt=60)] = 0.0
-    friction: Annotated[float, Field(gt=0)] = 0.8
-
-
 class Objective(Config):
     """Weights of the integrands of eq. (8)-(10); a term with weight 0 is left out.
 
-    J1 is `force: 1`; J2 is 1e6 on the two velocities, tilt and tilt rate; J3 adds force and lateral foot.
+    Velocity, tilt and lateral feet are taken in the frame that follows the commanded twist. J1 is `force: 1`; J2 is 1e6
+    on the two velocities, tilt and tilt rate; J3 adds force and lateral foot.
     """
 
     force: Weight = 0.0  # sum of squared contact forces [N^2 s]
@@ -53,11 +51,16 @@ class Objective(Config):
 
 
 class Transcription(Config):
-    """Section III.B: phases, equal knots in each, how a step is integrated, and the shortest phase."""
+    """Section III.B: phases, knots in each, how a step is integrated, and the shortest phase.
+
+    The paper's is `euler` with held forces and even knots. `momentum` is exact in the linear and angular momentum.
+    """
 
     phases: Annotated[int, Field(ge=2, le=12)] = 4
     knots_per_phase: Annotated[int, Field(ge=2, le=50)] = 10
-    integrator: Literal["euler", "rk4"] = "euler"
+    integrator: Literal["euler", "rk4", "midpoint", "hermite_simpson", "momentum"] = "euler"
+    forces: Literal["held", "linear"] = "held"  # over one step
+    grading: Annotated[float, Field(ge=0, le=1)] = 0.0  # 0: even knots, 1: spaced by a cosine within each phase
     min_phase_fraction: Annotated[float, Field(gt=0, lt=1)] = 0.1
 
     @model_validator(mode="after")
@@ -69,16 +72,21 @@ class Transcription(Config):
             )
         return self
 
+    @property
+    def time_symmetric(self) -> bool:
+        """Whether a motion run backwards is a motion, too: so for rules that treat both ends of a step alike."""
+        return self.integrator in ("midpoint", "hermite_simpson", "momentum")
 
-class Axis(Config):
+
+class Range(Config):
     """`count` evenly spaced values from `start` to `stop`, both included."""
 
-    start: Annotated[float, Field(ge=0)]
-    stop: Annotated[float, Field(ge=0)]
+    start: float
+    stop: float
     count: Annotated[int, Field(ge=1, le=10_000)]
 
     @model_validator(mode="after")
-    def _ordered(self) -> Axis:
+    def _ordered(self) -> Range:
         if self.stop < self.start or (self.count > 1 and self.stop == self.start):
             raise ValueError(
                 f"stop = {self.stop:g}, start = {self.start:g}, count = {self.count}: stop must be above start "
@@ -93,19 +101,46 @@ class Axis(Config):
 
 
 class Tasks(Config):
-    """The task grid over speed v [m/s] and cycle duration T [s], and random held-out tasks inside it."""
+    """A range or a fixed value for the axes of a task (`gaitflow.core.task.AXES`), and held-out tasks between.
 
-    speed: Axis
-    cycle_duration: Axis
+    The grid is the product of the ranges. An axis that is not named has its default; cycle_duration has none.
+    """
+
+    axes: dict[str, Range | float]
     held_out: Annotated[int, Field(ge=0, le=100_000)] = 0
     held_out_seed: int = 0
 
-    @field_validator("cycle_duration")
+    @field_validator("axes")
     @classmethod
-    def _positive(cls, axis: Axis) -> Axis:
-        if axis.start <= 0:
-            raise ValueError(f"start = {axis.start:g}: a cycle must last longer than 0 s")
-        return axis
+    def _physical(cls, axes: dict[str, Range | float]) -> dict[str, Range | float]:
+        for name, values in axes.items():
+            if name not in AXES:
+                meant = get_close_matches(name, AXES, 1)
+                hint = f"did you mean {meant[0]}? " if meant else ""
+                raise ValueError(f"{short(name)}: unknown axis; {hint}The axes are {', '.join(AXES)}")
+            ends = (values.start, values.stop) if isinstance(values, Range) else (values,)
+            for value in ends:
+                if not AXES[name].admits(value):
+                    raise ValueError(f"{name} = {value:g}: must lie in {span(name)}")
+        if "cycle_duration" not in axes:
+            raise ValueError("cycle_duration: missing; give it a value [s] or a range {start, stop, count}")
+        if not any(isinstance(values, Range) for values in axes.values()):
+            raise ValueError("no axis has a range: a map needs one at least, written {start, stop, count}")
+        return {name: axes[name] for name in AXES if name in axes}
+
+    @property
+    def ranges(self) -> dict[str, Range]:
+        """The axes that have a range, in the order of AXES."""
+        return {name: values for name, values in self.axes.items() if isinstance(values, Range)}
+
+    def varies(self, axis: str) -> bool:
+        """Whether an axis has a range, or is fixed at another value than 0."""
+        return self.axes.get(axis, AXES[axis].default) != 0
+
+    @property
+    def space(self) -> TaskSpace:
+        """Which axes have a range, and the values of the fixed ones."""
+        return TaskSpace.of({"tasks": self.as_data()})
 
 
 class Strategy(Config):
@@ -161,7 +196,6 @@ class Scenario(Config):
     name: Annotated[str, Field(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$", max_length=80)]
     description: str = ""
     robot: Robot
-    terrain: Terrain = Terrain()
     objective: Objective
     transcription: Transcription = Transcription()
     stances_per_leg: Literal[1, None] = None  # 1: every leg touches down exactly once a cycle; null: any number
@@ -176,6 +210,16 @@ class Scenario(Config):
                 f"objective.lateral_foot = {self.objective.lateral_foot:g}: needs a robot with dimension 3, "
                 f"{self.robot.name} has 2; allowed is 0"
             )
+        spatial = [axis for axis in AXES if AXES[axis].spatial and self.tasks.varies(axis)]
+        if spatial and self.robot.dimension == 2:
+            raise ValueError(
+                f"tasks.axes.{spatial[0]}: needs a robot with dimension 3, {self.robot.name} has 2; leave it out"
+            )
+        if self.tasks.varies("yaw_rate") and self.tasks.varies("slope"):
+            raise ValueError(
+                "tasks.axes: yaw_rate and slope: turning on a slope is not periodic, as gravity turns against the "
+                "body; leave one of them out"
+            )
         pattern = self.strategy.pattern
         if pattern is not None:
             rows = pattern.split("/")
@@ -189,11 +233,26 @@ class Scenario(Config):
 
     @property
     def problem_digest(self) -> str:
-        """Digest of what a single solve depends on: robot, terrain, objective, transcription, stances."""
-        keys = ("robot", "terrain", "objective", "transcription", "stances_per_leg")
-        data = {key: value for key, value in self.as_data().items() if key in keys}
-        data["robot"] = {key: value for key, value in data["robot"].items() if key != "source"}  # prose, not physics
-        return digest_of(data)
+        """Digest of what a single solve depends on beside its task: robot, objective, transcription, stances."""
+        return digest_of(self.problem_data)
+
+    @property
+    def problem_data(self) -> dict[str, Any]:
+        """The part of `as_data` that a single solve depends on, beside its task.
+
+        Of the axes only those that vary: their terms are in the problem.
+        """
+        data = self.as_data()
+        kept = {key: data[key] for key in ("robot", "objective", "transcription", "stances_per_leg")}
+        kept["robot"] = {key: value for key, value in data["robot"].items() if key != "source"}  # prose, not physics
+        return kept | {"axes": [axis for axis in AXES if self.tasks.varies(axis)]}
+
+    def symmetry(self, task: Task) -> Symmetry:
+        """Which patterns are one gait at a task: the images under which robot, ground and task stay as they are."""
+        robot = self.robot
+        mirror = robot.mirror_permutation if robot.mirror and task.mirrored() == task else None
+        reversible = self.transcription.time_symmetric and task.time_reversed() == task
+        return Symmetry(mirror, robot.reversal_permutation if reversible else None)
 
 
 def digest_of(data: Any) -> str:

@@ -1,9 +1,8 @@
 """Gait patterns: which leg stands in which phase, and when two patterns are one gait.
 
 A pattern is Lambda of section III.A, one row of binaries a leg and one column a phase (1 = stance). Neither where the
-cycle is cut, nor a phase split in two, nor left and right swapped makes another gait, so the canonical gait merges
-equal neighbouring phases and takes the smallest of all rotations and mirror images. A `mirror` is a permutation of
-the legs, `Robot.mirror_permutation`, or None where left and right are told apart.
+cycle is cut, nor a phase split in two, nor an image under a symmetry of robot and task makes another gait, so the
+canonical gait merges equal neighbouring phases and takes the smallest of all rotations and images.
 """
 
 from __future__ import annotations
@@ -14,6 +13,22 @@ from itertools import product
 from reprlib import repr as short
 
 MAX_ENUMERATED = 1 << 20  # patterns that all_patterns looks at, before symmetry reduces them
+
+
+@dataclass(frozen=True)
+class Symmetry:
+    """Under which images a pattern stays the same gait, besides where its cycle is cut.
+
+    mirror: the permutation of the legs in a left-right mirror image (`Robot.mirror_permutation`), None where left and
+    right are told apart. reversal: that of the body facing the other way (`Robot.reversal_permutation`), None where a
+    motion run backwards is another one.
+    """
+
+    mirror: tuple[int, ...] | None = None
+    reversal: tuple[int, ...] | None = None
+
+
+NO_SYMMETRY = Symmetry()
 
 
 @dataclass(frozen=True, order=True)
@@ -75,6 +90,10 @@ class Pattern:
             )
         return Pattern(tuple(self.rows[leg] for leg in permutation))
 
+    def reversed(self, permutation: Sequence[int]) -> Pattern:
+        """The pattern run backwards, whose leg i does what leg permutation[i] does here. Raises as `mirrored`."""
+        return Pattern(tuple(row[::-1] for row in self.mirrored(permutation).rows))
+
     def merged(self) -> Pattern:
         """Without the phases that repeat their cyclic predecessor: the first phase follows the last."""
         columns = list(zip(*self.rows, strict=True))
@@ -90,23 +109,27 @@ def _touchdowns(row: str) -> int:
     return (row[-1] + row).count("01")
 
 
-def _images(pattern: Pattern, mirror: Sequence[int] | None) -> set[Pattern]:
-    views = [pattern] if mirror is None else [pattern, pattern.mirrored(mirror)]
+def _images(pattern: Pattern, symmetry: Symmetry) -> set[Pattern]:
+    views = [pattern]
+    if symmetry.mirror is not None:
+        views += [view.mirrored(symmetry.mirror) for view in views]
+    if symmetry.reversal is not None:
+        views += [view.reversed(symmetry.reversal) for view in views]
     return {view.rotated(cut) for view in views for cut in range(pattern.phases)}
 
 
-def representative(pattern: Pattern, mirror: Sequence[int] | None = None) -> Pattern:
-    """The smallest of the pattern's rotations and of its mirror image's, all phases kept."""
-    return min(_images(pattern, mirror))
+def representative(pattern: Pattern, symmetry: Symmetry = NO_SYMMETRY) -> Pattern:
+    """The smallest of the pattern's rotations and of its images', all phases kept."""
+    return min(_images(pattern, symmetry))
 
 
-def gait_of(pattern: Pattern, mirror: Sequence[int] | None = None) -> Pattern:
-    """The canonical gait: equal for two patterns exactly when they differ by cut, split phases or mirroring."""
-    return representative(pattern.merged(), mirror)
+def gait_of(pattern: Pattern, symmetry: Symmetry = NO_SYMMETRY) -> Pattern:
+    """The canonical gait: equal for two patterns exactly when they differ by cut, split phases or an image."""
+    return representative(pattern.merged(), symmetry)
 
 
 def all_patterns(
-    legs: int, phases: int, stances_per_leg: int | None = None, mirror: Sequence[int] | None = None
+    legs: int, phases: int, stances_per_leg: int | None = None, symmetry: Symmetry = NO_SYMMETRY
 ) -> tuple[Pattern, ...]:
     """Representatives of all patterns, sorted; with `stances_per_leg` those where each leg touches down so often.
 
@@ -127,7 +150,7 @@ def all_patterns(
         pattern = Pattern(choice)
         if pattern not in seen:  # product counts upwards, so the first one met of an orbit is its smallest
             found.append(pattern)
-            seen |= _images(pattern, mirror)
+            seen |= _images(pattern, symmetry)
     return tuple(found)
 
 

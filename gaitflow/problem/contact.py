@@ -7,6 +7,7 @@ needed where the pattern itself is a decision.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import combinations
 
 import casadi as ca
@@ -15,7 +16,7 @@ import numpy as np
 from gaitflow.config.robot import Robot
 from gaitflow.core.gaits import Pattern
 from gaitflow.core.trajectory import Array
-from gaitflow.problem.layout import Layout
+from gaitflow.core.layout import Layout
 
 
 def highest_lift(robot: Robot) -> float:
@@ -31,9 +32,12 @@ def fix_contacts(layout: Layout, pattern: Pattern, lower: Array, upper: Array) -
     for step in range(layout.steps):
         column = pattern.column(layout.phase_of(step))
         for leg in range(layout.legs):
-            fixed = layout.foot_velocity(step, leg) if column[leg] else layout.force(step, leg)
-            lower[fixed] = upper[fixed] = 0.0
-            if column[leg]:
+            if not column[leg]:
+                for force in (layout.force(step, leg), layout.end_force(step, leg)):
+                    lower[force] = upper[force] = 0.0
+            else:
+                velocity = layout.foot_velocity(step, leg)
+                lower[velocity] = upper[velocity] = 0.0
                 for knot in (step, step + 1):
                     height = layout.foot(knot, leg).stop - 1
                     lower[height] = upper[height] = 0.0
@@ -55,6 +59,12 @@ def big_m_rows(robot: Robot, layout: Layout, x: ca.SX, u: ca.SX, contact: ca.SX)
         slack = (1 - c) * robot.max_foot_speed
         rows += [normal - c * force_limit, height - (1 - c) * lift, velocity - slack, -velocity - slack]
     return ca.vertcat(*rows)
+
+
+def end_force_rows(robot: Robot, layout: Layout, forces: Sequence[ca.SX], contact: ca.SX) -> ca.SX:
+    """Big-M form of eq. (7c) for the forces [d] each at the end of a phase, over m g; [legs], all ask for <= 0."""
+    limit = robot.max_force / layout.weight
+    return ca.vertcat(*(force[-1] - contact[leg] * limit for leg, force in enumerate(forces)))
 
 
 def one_stance_rows(legs: int, phases: int) -> tuple[Array, Array, Array]:

@@ -2,41 +2,110 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import casadi as ca
 import numpy as np
 
 from gaitflow.config.robot import Robot
-from gaitflow.problem.layout import GRAVITY, Layout
+from gaitflow.core.layout import GRAVITY
 from gaitflow.problem.orientation import angle_rates, moment, world_to_base
+from gaitflow.problem.task import TaskParameters
 
 
-def gravity(dimension: int, slope_deg: float) -> list[float]:
-    """Gravity [d] m/s^2 in the terrain frame: the slope turns gravity, the ground stays at z = 0."""
-    slope = math.radians(slope_deg)
-    along, normal = -GRAVITY * math.sin(slope), -GRAVITY * math.cos(slope)
-    return [along, normal] if dimension == 2 else [along, 0.0, normal]
+@dataclass(frozen=True)
+class Body:
+    """mass [kg], inertia [a, a] kg m^2 in the base frame, gravity [d] m/s^2 in the terrain frame."""
+
+    mass: ca.SX
+    inertia: ca.DM
+    gravity: ca.SX
+
+    @property
+    def mean_inertia(self) -> float:
+        """Mean of the inertia's diagonal [kg m^2], by which rows of angular momentum are scaled."""
+        return float(np.diagonal(self.inertia.full()).mean())
 
 
-def state_rate(robot: Robot, slope_deg: float, layout: Layout, x: ca.SX, u: ca.SX) -> ca.SX:
-    """dx/dt [nx] in SI units for the state x [nx] and the control u [nu] (forces in N).
+def body_of(robot: Robot, task: TaskParameters) -> Body:
+    """The robot's body on a task's ground: the slope turns gravity, the ground stays at z = 0."""
+    along, normal = -GRAVITY * ca.sin(task.slope), -GRAVITY * ca.cos(task.slope)
+    gravity = ca.vertcat(along, normal) if robot.dimension == 2 else ca.vertcat(along, 0, normal)
+    return Body(ca.SX(robot.mass), ca.DM(np.array(robot.inertia)), gravity)
 
-    m r'' = m g + sum f_l; I omega' + omega x (I omega) = sum R (p_l - r) x f_l, in the base frame.
+
+@dataclass(frozen=True, eq=False)
+class Node:
+    """One end of a step: the base, the feet, and the forces on them, all in SI units; and what follows from them.
+
+    position, velocity [d]; angles, omega [a], omega in the base frame; feet, forces: [d] each, one a leg.
     """
-    d, a = layout.dimension, layout.angles
-    position, angles = x[:d], x[d : d + a]
-    velocity, omega = x[d + a : 2 * d + a], x[2 * d + a : layout.nb]
-    force_sum, moment_sum = ca.SX.zeros(d), ca.SX.zeros(a)
-    for leg in range(layout.legs):
-        foot = x[layout.nb + leg * d : layout.nb + (leg + 1) * d]
-        force = u[leg * d : (leg + 1) * d]
-        force_sum += force
-        moment_sum += moment(foot - position, force)
-    acceleration = force_sum / robot.mass + ca.DM(gravity(d, slope_deg))
-    inertia = np.array(robot.inertia)
-    if d == 3:
-        moment_sum = world_to_base(angles) @ moment_sum - ca.cross(omega, ca.DM(inertia) @ omega)
-    angular_acceleration = ca.DM(np.linalg.inv(inertia)) @ moment_sum
-    foot_velocities = u[layout.legs * d :]
-    return ca.vertcat(velocity, angle_rates(angles, omega), acceleration, angular_acceleration, foot_velocities)
+
+    body: Body
+    position: ca.SX
+    angles: ca.SX
+    velocity: ca.SX
+    omega: ca.SX
+    feet: tuple[ca.SX, ...]
+    forces: tuple[ca.SX, ...]
+
+    @cached_property
+    def base(self) -> ca.SX:
+        """The base state [nb]."""
+        return ca.vertcat(self.position, self.angles, self.velocity, self.omega)
+
+    @cached_property
+    def acceleration(self) -> ca.SX:
+        """r'' [d] m/s^2: m r'' = m g + sum f_l."""
+        return sum(self.forces[1:], self.forces[0]) / self.body.mass + self.body.gravity
+
+    @cached_property
+    def angular_acceleration(self) -> ca.SX:
+        """omega' [a] rad/s^2: I omega' + omega x (I omega) = sum R (p_l - r) x f_l, in the base frame."""
+        inertia = self.body.inertia
+        total = ca.SX.zeros(self.angles.numel())
+        for foot, force in zip(self.feet, self.forces, strict=True):
+            total += moment(foot - self.position, force)
+        if self.omega.numel() == 3:
+            total = world_to_base(self.angles) @ total - ca.cross(self.omega, inertia @ self.omega)
+        return ca.inv(inertia) @ total
+
+    @cached_property
+    def angle_rates(self) -> ca.SX:
+        """d/dt of the angles [a] rad/s."""
+        return angle_rates(self.angles, self.omega)
+
+    @cached_property
+    def angle_accelerations(self) -> ca.SX:
+        """d^2/dt^2 of the angles [a] rad/s^2, by the chain rule."""
+        if self.omega.numel() == 1:
+            return self.angular_acceleration
+        angles, omega = ca.SX.sym("angles", 3), ca.SX.sym("omega", 3)
+        rates, spin = ca.SX.sym("rates", 3), ca.SX.sym("spin", 3)
+        of_rates = angle_rates(angles, omega)
+        change = ca.jtimes(of_rates, angles, rates) + ca.jtimes(of_rates, omega, spin)
+        chain = ca.Function("chain", [angles, omega, rates, spin], [change])
+        return chain(self.angles, self.omega, self.angle_rates, self.angular_acceleration)
+
+    @cached_property
+    def rate(self) -> ca.SX:
+        """d/dt of the base state [nb]."""
+        return ca.vertcat(self.velocity, self.angle_rates, self.acceleration, self.angular_acceleration)
+
+    @cached_property
+    def angular_momentum(self) -> ca.SX:
+        """Angular momentum [a] kg m^2/s about the world's origin, in world directions."""
+        spin = self.body.inertia @ self.omega
+        if self.omega.numel() == 3:
+            spin = world_to_base(self.angles).T @ spin
+        return spin + self.body.mass * moment(self.position, self.velocity)
+
+
+def node(body: Body, base: ca.SX, feet: Sequence[ca.SX], forces: Sequence[ca.SX]) -> Node:
+    """The node with a base state [nb], and a foot's place and force [d] for each leg."""
+    d = feet[0].numel()
+    a = base.numel() // 2 - d
+    parts = ca.vertsplit(base, [0, d, d + a, 2 * d + a, 2 * (d + a)])
+    return Node(body, *parts, tuple(feet), tuple(forces))

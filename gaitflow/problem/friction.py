@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import casadi as ca
 
-from gaitflow.problem.layout import Layout
 
+def friction_rows(friction: ca.SX, forces: Sequence[ca.SX]) -> ca.SX:
+    """f_t - mu f_n and -f_t - mu f_n for each leg and tangent, [legs * 2(d-1)]; eq. (6) asks for <= 0.
 
-def friction_rows(layout: Layout, friction: float, u: ca.SX) -> ca.SX:
-    """f_t - mu f_n and -f_t - mu f_n for each leg and tangent, [legs * 2(d-1)]; eq. (6) asks for <= 0."""
-    d = layout.dimension
+    The cone is convex: a force that runs linearly between two points of it never leaves it.
+    """
     rows = []
-    for leg in range(layout.legs):
-        force = u[leg * d : (leg + 1) * d]
-        normal = force[d - 1]
-        for tangent in range(d - 1):
-            rows += [force[tangent] - friction * normal, -force[tangent] - friction * normal]
+    for force in forces:
+        normal = force[-1]
+        for tangent in ca.vertsplit(force[:-1]):
+            rows += [tangent - friction * normal, -tangent - friction * normal]
     return ca.vertcat(*rows)

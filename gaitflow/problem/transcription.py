@@ -14,9 +14,14 @@ import numpy as np
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern
+from gaitflow.core.layout import Layout
+from gaitflow.core.task import AXES
 from gaitflow.core.trajectory import Array
-from gaitflow.problem import contact, dynamics, friction, integrator, kinematics, objectives, periodicity, timing
-from gaitflow.problem.layout import Layout, layout_of
+from gaitflow.problem import contact, friction, kinematics, periodicity, timing
+from gaitflow.problem.dynamics import Body, Node, body_of, node
+from gaitflow.problem.objectives import StepCost
+from gaitflow.problem.step import base_defects
+from gaitflow.problem.task import TaskParameters, task_parameters
 
 
 @dataclass(frozen=True)
@@ -33,10 +38,11 @@ class Bounds:
 class GaitProblem:
     """A scenario's program; build it with `transcribe`.
 
-    nlp: (w [nw], task [2] = (v, T)) -> (cost [1], rows [ng]).
-    minlp: (w [nw + legs*phases], task [2]) -> (cost [1], rows [ng_minlp]); the contacts follow w, leg-major.
-    Rows come in groups: defects [K, nx], foot offsets [K, legs*d], friction [K, legs*2(d-1)], periodicity [nx],
-    cycle [1]; the minlp has big-M rows [K, legs*(2d+2)] and, with one stance per leg, stance rows after them.
+    nlp: (w [nw], task [axes]) -> (cost [1], rows [ng]); the task's values are in the order and units of AXES.
+    minlp: (w [nw + legs*phases], task [axes]) -> (cost [1], rows [ng_minlp]); the contacts follow w, leg-major.
+    Rows come in groups: defects [K, nx], foot offsets at knots [K, legs*d] and in the middle of long steps
+    [middles, legs*d], friction [force nodes, legs*2(d-1)], periodicity [nx], cycle [1]; the minlp has big-M rows
+    [K, legs*(2d+2)], those of end forces [phases, legs], and, with one stance per leg, stance rows after them.
     """
 
     scenario: Scenario
@@ -69,7 +75,7 @@ class GaitProblem:
         lower, upper = self._free.lower.copy(), self._free.upper.copy()
         contact.fix_contacts(layout, pattern, lower, upper)
         lower_rows, upper_rows = self._free.lower_rows.copy(), self._free.upper_rows.copy()
-        constant = _constant_rows(layout, pattern)
+        constant = _constant_rows(layout, pattern, self.ng)
         lower_rows[constant], upper_rows[constant] = -np.inf, np.inf
         return Bounds(lower, upper, lower_rows, upper_rows)
 
@@ -86,6 +92,7 @@ class GaitProblem:
             fixed = np.array([float(digit) for row in pattern.rows for digit in row])
             contacts = fixed, fixed
         big_m = layout.steps * layout.legs * (2 * layout.dimension + 2)
+        big_m += layout.phases * layout.legs if layout.linear_forces else 0
         lower_rows = [self._free.lower_rows, np.full(big_m, -np.inf)]
         upper_rows = [self._free.upper_rows, np.zeros(big_m)]
         if self.scenario.stances_per_leg == 1:
@@ -102,12 +109,18 @@ class GaitProblem:
 
 def transcribe(scenario: Scenario) -> GaitProblem:
     """Build the program of a scenario."""
-    layout = layout_of(scenario)
+    layout = Layout.of(scenario.as_data())
     scale = _cost_scale(scenario, layout)
-    w, parameters = ca.SX.sym("w", layout.nw), ca.SX.sym("task", 2)
+    w, parameters = ca.SX.sym("w", layout.nw), ca.SX.sym("task", len(AXES))
     cost, groups = _terms(scenario, layout, w, parameters)
     nlp = ca.Function("nlp", [w, parameters], [cost / scale, ca.vertcat(*groups)], ["w", "task"], ["cost", "rows"])
     return GaitProblem(scenario, layout, nlp, scale)
+
+
+def long_steps(layout: Layout) -> tuple[int, ...]:
+    """The steps at whose middle feet have to be in their boxes, too: those not shorter than the mean of a phase."""
+    long = layout.shares >= 1 / layout.knots_per_phase - 1e-12
+    return tuple(step for step in range(layout.steps) if long[step % layout.knots_per_phase])
 
 
 def _cost_scale(scenario: Scenario, layout: Layout) -> float:
@@ -117,45 +130,99 @@ def _cost_scale(scenario: Scenario, layout: Layout) -> float:
     return max(force, *weights.values())
 
 
+class _Nodes:
+    """The nodes of a decision vector, each built once: steps that meet inside a phase share one."""
+
+    def __init__(self, layout: Layout, w: ca.SX, body: Body) -> None:
+        self._layout, self._w, self._body = layout, w, body
+        self._built: dict[tuple[int, int | None], Node] = {}
+
+    def start(self, step: int) -> Node:
+        """The node at a step's start, with the forces there."""
+        layout = self._layout
+        return self._node((step, None), step, [layout.force(step, leg) for leg in range(layout.legs)])
+
+    def end(self, step: int) -> Node:
+        """The node at a step's end, with the step's own forces there."""
+        layout = self._layout
+        if layout.linear_forces and (step + 1) % layout.knots_per_phase:
+            return self.start(step + 1)
+        return self._node((step + 1, step), step + 1, [layout.end_force(step, leg) for leg in range(layout.legs)])
+
+    def _node(self, key: tuple[int, int | None], knot: int, forces: list[slice]) -> Node:
+        if key not in self._built:
+            layout, w = self._layout, self._w
+            state = w[layout.state(knot)]
+            self._built[key] = node(
+                self._body,
+                state[: layout.nb],
+                ca.vertsplit(state[layout.nb :], layout.dimension),
+                [w[force] * layout.weight for force in forces],
+            )
+        return self._built[key]
+
+
 def _terms(scenario: Scenario, layout: Layout, w: ca.SX, parameters: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
     """Cost and the row groups that both forms share."""
-    robot = scenario.robot
-    speed, cycle = parameters[0], parameters[1]
-    x, u, h = ca.SX.sym("x", layout.nx), ca.SX.sym("u", layout.nu), ca.SX.sym("h")
-    to_si = ca.DM(layout.scale(1.0)[layout.control(0)])
+    robot, rule, objective = scenario.robot, scenario.transcription.integrator, scenario.objective
+    task = task_parameters(scenario.tasks, parameters)
+    nodes = _Nodes(layout, w, body_of(robot, task))
+    fractions, cycle = w[layout.fractions], task["cycle_duration"]
+    times = _times(layout, fractions, cycle)
+    middles = set() if rule == "euler" else set(long_steps(layout))
 
-    def rate(state: ca.SX) -> ca.SX:
-        return dynamics.state_rate(robot, scenario.terrain.slope_deg, layout, state, u * to_si)
-
-    step = ca.Function("step", [x, u, h], [integrator.step(scenario.transcription.integrator, rate, x, h)])
-    running = ca.Function(
-        "running", [x, u, speed], [objectives.integrand(scenario.objective, robot, layout, x, u * to_si, speed)]
-    )
-    box = ca.Function("box", [x], [kinematics.foot_offsets(robot, layout, x)])
-    pyramid = ca.Function("pyramid", [u], [friction.friction_rows(layout, scenario.terrain.friction, u)])
-
-    fractions = w[layout.fractions]
-    cost, defects, offsets, cones = ca.SX(0), [], [], []
+    cost, defects, offsets, between, cones = ca.SX(0), [], [], [], []
     for k in range(layout.steps):
-        state, control = w[layout.state(k)], w[layout.control(k)]
-        duration = cycle * fractions[layout.phase_of(k)] / layout.knots_per_phase
-        cost += duration * running(state, control, speed)
-        defects.append(w[layout.state(k + 1)] - step(state, control, duration))
-        offsets.append(box(state))
-        cones.append(pyramid(control))
-    closing = periodicity.periodicity_rows(layout, w[layout.state(0)], w[layout.state(layout.steps)], speed, cycle)
-    return cost, [*defects, *offsets, *cones, closing, timing.cycle_row(fractions)]
+        start, end = nodes.start(k), nodes.end(k)
+        h = cycle * fractions[layout.phase_of(k)] * layout.shares[k % layout.knots_per_phase]
+        step_cost = StepCost(robot, task, (start, end), (times[k], times[k + 1]), h)
+        cost += step_cost.sampled(objective) if rule == "euler" else step_cost.integrated(objective)
+        moved = ca.vertcat(*end.feet) - ca.vertcat(*start.feet)
+        velocities = w[layout.control(k)][layout.legs * layout.dimension :]
+        defects += [base_defects(rule, start, end, h), moved - h * velocities]
+        offsets.append(kinematics.foot_offsets(robot, start.position, start.angles, start.feet))
+        if k in middles:
+            between.append(_middle_offsets(scenario, start, end, h))
+        cones.append(friction.friction_rows(task["friction"], [w[layout.force(k, leg)] for leg in range(layout.legs)]))
+        if layout.linear_forces and (k + 1) % layout.knots_per_phase == 0:
+            last = [w[layout.end_force(k, leg)] for leg in range(layout.legs)]
+            cones.append(friction.friction_rows(task["friction"], last))
+    closing = periodicity.periodicity_rows(layout, w[layout.state(0)], w[layout.state(layout.steps)], task)
+    return cost, [*defects, *offsets, *between, *cones, closing, timing.cycle_row(fractions)]
+
+
+def _times(layout: Layout, fractions: ca.SX, cycle: ca.SX) -> list[ca.SX]:
+    """Times [s] of the knots in the cycle."""
+    times, reached = [ca.SX(0)], ca.SX(0)
+    for phase in range(layout.phases):
+        inner = np.cumsum(layout.shares)
+        times += [cycle * (reached + fractions[phase] * float(share)) for share in inner]
+        reached += fractions[phase]
+    return times
+
+
+def _middle_offsets(scenario: Scenario, start: Node, end: Node, h: ca.SX) -> ca.SX:
+    """Foot offsets in the middle of a step, of the cubic through both ends."""
+    position = (start.position + end.position) / 2 + h / 8 * (start.velocity - end.velocity)
+    angles = (start.angles + end.angles) / 2 + h / 8 * (start.angle_rates - end.angle_rates)
+    feet = [(a + b) / 2 for a, b in zip(start.feet, end.feet, strict=True)]
+    return kinematics.foot_offsets(scenario.robot, position, angles, feet)
 
 
 def _minlp(scenario: Scenario, layout: Layout, cost_scale: float) -> ca.Function:
     contacts = layout.legs * layout.phases
-    w, parameters = ca.SX.sym("w", layout.nw + contacts), ca.SX.sym("task", 2)
+    w, parameters = ca.SX.sym("w", layout.nw + contacts), ca.SX.sym("task", len(AXES))
     cost, groups = _terms(scenario, layout, w[: layout.nw], parameters)
     c = ca.reshape(w[layout.nw :], layout.phases, layout.legs)
     groups += [
         contact.big_m_rows(scenario.robot, layout, w[layout.state(k)], w[layout.control(k)], c[layout.phase_of(k), :].T)
         for k in range(layout.steps)
     ]
+    if layout.linear_forces:
+        for phase in range(layout.phases):
+            last = (phase + 1) * layout.knots_per_phase - 1
+            forces = [w[layout.end_force(last, leg)] for leg in range(layout.legs)]
+            groups.append(contact.end_force_rows(scenario.robot, layout, forces, c[phase, :].T))
     if scenario.stances_per_leg == 1:
         rows, _, _ = contact.one_stance_rows(layout.legs, layout.phases)
         groups.append(ca.DM(rows) @ w[layout.nw :])
@@ -169,27 +236,33 @@ def _physical_bounds(scenario: Scenario, layout: Layout) -> Bounds:
     robot, d, a = scenario.robot, layout.dimension, layout.angles
     lower, upper = np.full(layout.nw, -np.inf), np.full(layout.nw, np.inf)
     lift, force = contact.highest_lift(robot), robot.max_force / layout.weight
+    turning = scenario.tasks.varies("yaw_rate")
     for knot in range(layout.steps + 1):
-        angles = layout.state(knot).start + d
-        lower[angles : angles + a], upper[angles : angles + a] = -robot.max_tilt, robot.max_tilt
+        # A body that turns has no limit on its yaw, which is measured from where the cycle began.
+        angles = slice(layout.state(knot).start + d + (1 if turning else 0), layout.state(knot).start + d + a)
+        lower[angles], upper[angles] = -robot.max_tilt, robot.max_tilt
         for leg in range(layout.legs):
             height = layout.foot(knot, leg).stop - 1
             lower[height], upper[height] = 0.0, lift  # eq. (7b)
     for step in range(layout.steps):
         for leg in range(layout.legs):
-            normal = layout.force(step, leg).stop - 1
-            lower[normal], upper[normal] = 0.0, force  # eq. (7a)
+            for node_force in (layout.force(step, leg), layout.end_force(step, leg)):
+                normal = node_force.stop - 1
+                lower[normal], upper[normal] = 0.0, force  # eq. (7a)
             velocity = layout.foot_velocity(step, leg)
             lower[velocity], upper[velocity] = -robot.max_foot_speed, robot.max_foot_speed
     shortest, longest = timing.fraction_bounds(layout.phases, scenario.transcription.min_phase_fraction)
     lower[layout.fractions], upper[layout.fractions] = shortest, longest
-    # Where the cycle starts along the path changes nothing; sideways only the lateral term says where the path is.
-    fixed = 1 if d == 2 or scenario.objective.lateral_foot else 2
+    # Where the cycle starts along the path changes nothing. Sideways, the lateral term or the circle of a turn says
+    # where the path is.
+    placed = scenario.objective.lateral_foot or turning
+    fixed = 1 if d == 2 or placed else 2
     start = layout.state(0).start
     lower[start : start + fixed] = upper[start : start + fixed] = 0.0
 
-    box = np.tile(robot.box, layout.steps * layout.legs)
-    cones = layout.steps * layout.legs * 2 * (d - 1)
+    middles = 0 if scenario.transcription.integrator == "euler" else len(long_steps(layout))
+    box = np.tile(robot.box, (layout.steps + middles) * layout.legs)
+    cones = _force_nodes(layout) * layout.legs * 2 * (d - 1)
     defects, closing = np.zeros(layout.steps * layout.nx), np.zeros(layout.nx + 1)
     return Bounds(
         lower,
@@ -199,15 +272,24 @@ def _physical_bounds(scenario: Scenario, layout: Layout) -> Bounds:
     )
 
 
-def _constant_rows(layout: Layout, pattern: Pattern) -> Array:
+def _force_nodes(layout: Layout) -> int:
+    """How many times in a cycle there are forces: a step's start each, and the end of a phase where they are linear."""
+    return layout.steps + (layout.phases if layout.linear_forces else 0)
+
+
+def _constant_rows(layout: Layout, pattern: Pattern, rows: int) -> Array:
     """Mask [ng] of the rows that a pattern makes constant: foot height in stance, friction in swing."""
     d, steps = layout.dimension, layout.steps
     columns = np.array([pattern.column(layout.phase_of(k)) for k in range(steps)], dtype=bool)
     defects = np.zeros((steps, layout.nx), dtype=bool)
     heights = layout.nb + d * np.arange(layout.legs) + d - 1
     defects[:, heights] = columns
-    offsets = np.zeros(steps * layout.legs * d, dtype=bool)
-    cones = np.repeat(~columns, 2 * (d - 1), axis=1)
+    nodes = columns
+    if layout.linear_forces:  # a phase has one more of them than steps
+        per_phase = columns.reshape(layout.phases, layout.knots_per_phase, layout.legs)
+        nodes = np.concatenate([per_phase, per_phase[:, -1:]], axis=1).reshape(-1, layout.legs)
+    cones = np.repeat(~nodes, 2 * (d - 1), axis=1)
     closing = np.zeros(layout.nx + 1, dtype=bool)
     closing[heights] = columns[0] & columns[-1]
+    offsets = np.zeros(rows - defects.size - cones.size - closing.size, dtype=bool)
     return np.concatenate([defects.ravel(), offsets, cones.ravel(), closing])

@@ -15,7 +15,7 @@ from gaitflow.config.scenario import Scenario, digest_of
 from gaitflow.core.errors import ArtifactError
 from gaitflow.core.gaits import Pattern, gait_of
 from gaitflow.core.names import gait_name
-from gaitflow.problem.layout import layout_of
+from gaitflow.core.layout import layout_of
 from gaitflow.runtime import GaitMap
 from gaitflow.runtime.classifier import Classifier
 from gaitflow.runtime.files import ATLAS, CLASSIFIER, MANIFEST, PROBLEM, WARM_STARTS, read_checked

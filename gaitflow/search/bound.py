@@ -17,7 +17,7 @@ import math
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern
-from gaitflow.problem.layout import GRAVITY
+from gaitflow.core.layout import GRAVITY
 from gaitflow.search.screen import NO_ROOM, longest_support, why_no_gait
 
 ROUNDING = 1e-6  # relative; what solvers of linear and nonlinear programs leave open

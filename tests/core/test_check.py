@@ -16,7 +16,7 @@ from gaitflow.core.check import FEASIBLE, step_gaps, violations, worst
 from gaitflow.core.gaits import Pattern
 from gaitflow.core.trajectory import Array, Trajectory
 from gaitflow.problem import GaitProblem, transcribe
-from gaitflow.problem.layout import GRAVITY
+from gaitflow.core.layout import GRAVITY
 from gaitflow.search import starts
 from gaitflow.solvers.ipopt import FixedGaitSolver, Start
 

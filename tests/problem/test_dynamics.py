@@ -15,7 +15,7 @@ from gaitflow.config.scenario import Scenario
 from gaitflow.core.trajectory import Array
 from gaitflow.problem import integrator
 from gaitflow.problem.dynamics import gravity, state_rate
-from gaitflow.problem.layout import GRAVITY, Layout, layout_of
+from gaitflow.core.layout import GRAVITY, Layout, layout_of
 
 UP = np.array([0.0, 0.0, 1.0])
 

@@ -6,7 +6,7 @@ import pytest
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.problem.friction import friction_rows
-from gaitflow.problem.layout import layout_of
+from gaitflow.core.layout import layout_of
 
 
 def test_a_force_obeys_the_rows_exactly_inside_the_pyramid(either: Scenario) -> None:

@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.trajectory import Array
 from gaitflow.problem.kinematics import foot_offsets
-from gaitflow.problem.layout import layout_of
+from gaitflow.core.layout import layout_of
 
 
 def _offsets(scenario: Scenario, x: Array) -> Array:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from gaitflow.config.scenario import Scenario, load_scenario
 from gaitflow.problem import transcribe
-from gaitflow.problem.layout import Layout, knot_times
+from gaitflow.core.layout import Layout, knot_times
 
 layouts = st.builds(
     Layout,

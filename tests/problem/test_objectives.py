@@ -7,7 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from gaitflow.config.scenario import Objective, Scenario
 from gaitflow.core.trajectory import Array
-from gaitflow.problem.layout import layout_of
+from gaitflow.core.layout import layout_of
 from gaitflow.problem.objectives import integrand
 
 VIBRATION = Objective(tangential_velocity=2.0, normal_velocity=3.0, tilt=5.0, tilt_rate=7.0)

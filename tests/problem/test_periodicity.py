@@ -4,7 +4,7 @@ import casadi as ca
 import numpy as np
 
 from gaitflow.config.scenario import Scenario
-from gaitflow.problem.layout import layout_of
+from gaitflow.core.layout import layout_of
 from gaitflow.problem.periodicity import periodicity_rows
 
 

@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from gaitflow.problem.layout import Layout as ProblemLayout
+from gaitflow.core.layout import Layout as ProblemLayout
 from gaitflow.publishing import Parts
 from gaitflow.runtime.layout import Layout, unpack
 

@@ -5,7 +5,7 @@ import pytest
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.check import violations
-from gaitflow.problem.layout import GRAVITY, layout_of
+from gaitflow.core.layout import GRAVITY, layout_of
 from gaitflow.search import starts
 
 SPEED, CYCLE = 0.7, 0.6

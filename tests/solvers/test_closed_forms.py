@@ -11,7 +11,7 @@ from gaitflow.config.scenario import Objective, Scenario, Terrain, Transcription
 from gaitflow.core.check import FEASIBLE, worst
 from gaitflow.core.trajectory import Trajectory
 from gaitflow.problem import transcribe
-from gaitflow.problem.layout import GRAVITY, knot_times
+from gaitflow.core.layout import GRAVITY, knot_times
 from gaitflow.solvers.ipopt import Attempt
 
 Solve = Callable[..., Attempt]

@@ -8,7 +8,7 @@ import pytest
 from benchmarks.search.scaling import random_patterns, resized, run
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern, can_move
-from gaitflow.problem.layout import layout_of
+from gaitflow.core.layout import layout_of
 
 
 def test_random_patterns_can_move_on_one_stance_a_leg() -> None:
