@@ -1,0 +1,31 @@
+"""Scenarios as they were written before tasks had axes, in today's form: for published maps and tables of then."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+
+def modern_scenario(data: Mapping[str, Any]) -> dict[str, Any]:
+    """A scenario's JSON data with its tasks as axes; what has that form already comes back as it is.
+
+    The older form has `terrain: {slope_deg, friction}`, and `tasks` with the ranges of speed [m/s] and cycle_duration
+    [s] beside held_out and held_out_seed. Its forces were held over a step and its knots evenly spaced. `data` is not
+    changed. Raises ValueError for data that has neither form.
+    """
+    tasks = data.get("tasks")
+    if isinstance(tasks, Mapping) and isinstance(tasks.get("axes"), Mapping):
+        return dict(data)
+    try:
+        axes = {
+            "speed": dict(data["tasks"]["speed"]),
+            "cycle_duration": dict(data["tasks"]["cycle_duration"]),
+            "slope": float(data["terrain"]["slope_deg"]),
+            "friction": float(data["terrain"]["friction"]),
+        }
+        transcription = {"forces": "held", "grading": 0.0} | dict(data["transcription"])
+        split = {key: data["tasks"][key] for key in ("held_out", "held_out_seed") if key in data["tasks"]}
+    except (KeyError, TypeError, ValueError) as error:
+        raise ValueError(f"a scenario without tasks.axes, and not of the older form either: {error!r}") from None
+    kept = {key: value for key, value in data.items() if key != "terrain"}
+    return kept | {"tasks": {"axes": axes, **split}, "transcription": transcription}
