@@ -15,8 +15,8 @@ import numpy as np
 
 from gaitflow.config.robot import Robot
 from gaitflow.core.gaits import Pattern
-from gaitflow.core.trajectory import Array
 from gaitflow.core.layout import Layout
+from gaitflow.core.trajectory import Array
 
 
 def highest_lift(robot: Robot) -> float:

@@ -107,5 +107,5 @@ def node(body: Body, base: ca.SX, feet: Sequence[ca.SX], forces: Sequence[ca.SX]
     """The node with a base state [nb], and a foot's place and force [d] for each leg."""
     d = feet[0].numel()
     a = base.numel() // 2 - d
-    parts = ca.vertsplit(base, [0, d, d + a, 2 * d + a, 2 * (d + a)])
-    return Node(body, *parts, tuple(feet), tuple(forces))
+    position, angles, velocity, omega = ca.vertsplit(base, [0, d, d + a, 2 * d + a, 2 * (d + a)])
+    return Node(body, position, angles, velocity, omega, tuple(feet), tuple(forces))

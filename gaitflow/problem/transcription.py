@@ -21,7 +21,7 @@ from gaitflow.problem import contact, friction, kinematics, periodicity, timing
 from gaitflow.problem.dynamics import Body, Node, body_of, node
 from gaitflow.problem.objectives import StepCost
 from gaitflow.problem.step import base_defects
-from gaitflow.problem.task import TaskParameters, task_parameters
+from gaitflow.problem.task import task_parameters
 
 
 @dataclass(frozen=True)
@@ -253,10 +253,9 @@ def _physical_bounds(scenario: Scenario, layout: Layout) -> Bounds:
             lower[velocity], upper[velocity] = -robot.max_foot_speed, robot.max_foot_speed
     shortest, longest = timing.fraction_bounds(layout.phases, scenario.transcription.min_phase_fraction)
     lower[layout.fractions], upper[layout.fractions] = shortest, longest
-    # Where the cycle starts along the path changes nothing. Sideways, the lateral term or the circle of a turn says
-    # where the path is.
-    placed = scenario.objective.lateral_foot or turning
-    fixed = 1 if d == 2 or placed else 2
+    # Where the cycle starts along a straight path changes nothing; sideways, the lateral term says where the path is.
+    # On the circle of a turn velocity and yaw are measured against the commanded frame, so the cost says both.
+    fixed = 0 if turning else 1 if d == 2 or scenario.objective.lateral_foot else 2
     start = layout.state(0).start
     lower[start : start + fixed] = upper[start : start + fixed] = 0.0
 
