@@ -14,7 +14,9 @@ from gaitflow.core.check import FEASIBLE, worst
 from gaitflow.core.gaits import Pattern
 from gaitflow.problem import GaitProblem
 from gaitflow.search.solution import Multipliers
-from gaitflow.solvers.ipopt import CONVERGED, IPOPT, Attempt, Start, call_solver, make_ipopt
+from gaitflow.solvers.fixed_gait import Attempt, Start
+from gaitflow.solvers.ipopt import call_solver, make_ipopt
+from gaitflow.solvers.options import CONVERGED, IPOPT
 
 # IPOPT's own default. The bounds form makes do with less, but a baseline should not fail for want of iterations.
 MAX_ITERATIONS = 3000

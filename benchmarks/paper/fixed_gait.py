@@ -23,7 +23,7 @@ from gaitflow.runtime import Choice, GaitMap
 from gaitflow.runtime.versions import resolve
 from gaitflow.search import starts
 from gaitflow.search.attempts import seed_of
-from gaitflow.solvers.ipopt import Attempt, FixedGaitSolver, Start
+from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, Start
 
 METHODS = ("bigm_random", "bounds_random", "bounds_mean", "bounds_mean_dual")
 

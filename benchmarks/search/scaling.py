@@ -22,7 +22,8 @@ from gaitflow.core.gaits import Pattern
 from gaitflow.problem import transcribe
 from gaitflow.core.layout import layout_of
 from gaitflow.search import starts
-from gaitflow.solvers.ipopt import IPOPT, FixedGaitSolver, Start
+from gaitflow.solvers.fixed_gait import FixedGaitSolver, Start
+from gaitflow.solvers.options import IPOPT
 
 SCENARIOS = ("half-cheetah-flat-vibration", "anymal-flat-vibration")
 SIZES = tuple(product((4, 6, 8), (5, 10, 20)))  # phases, knots per phase

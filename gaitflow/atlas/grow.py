@@ -19,7 +19,7 @@ from gaitflow.core.trajectory import Array
 from gaitflow.problem import GaitProblem
 from gaitflow.search.solution import Multipliers, Solution
 from gaitflow.solvers.interior_point import InteriorPoint, Outcome
-from gaitflow.solvers.ipopt import FixedGaitSolver, Start
+from gaitflow.solvers.fixed_gait import FixedGaitSolver, Start
 from gaitflow.solvers.point import GaitSpace, Point
 from gaitflow.solvers.program import Program, derivatives
 

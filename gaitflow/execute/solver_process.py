@@ -140,7 +140,7 @@ def _load(unit: Unit, solve: str) -> tuple[SolveTasks, Mapping[str, Any]]:
         )
     name, _, function = solve.partition(":")
     try:
-        from gaitflow.solvers.ipopt import IPOPT, IPOPT_WARM  # not before: it loads CasADi
+        from gaitflow.solvers.options import IPOPT, IPOPT_WARM  # not before: it loads CasADi
 
         return getattr(importlib.import_module(name), function), {"ipopt": IPOPT, "ipopt_warm": IPOPT_WARM}
     except (ImportError, AttributeError) as error:

@@ -177,7 +177,7 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None) -> Pu
     from gaitflow.publishing import Parts
     from gaitflow.publishing import publish as publish_map
     from gaitflow.publishing.dataset import publish_dataset
-    from gaitflow.solvers.ipopt import IPOPT_WARM
+    from gaitflow.solvers.options import IPOPT_WARM
 
     run = workspace.run(scenario)
     _need(run.learning, f"gaitflow train {scenario.name}")

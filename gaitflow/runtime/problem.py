@@ -19,14 +19,12 @@ from gaitflow.core.errors import ArtifactError
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.files import PROBLEM, read_checked
 from gaitflow.runtime.manifest import Manifest
-from gaitflow.solvers.options import WARM_START
+from gaitflow.solvers.options import IPOPT_WARM
 from gaitflow.solvers.point import GaitSpace
 from gaitflow.solvers.program import derivatives
 
 # IPOPT with MUMPS crashes when two threads of one process solve at once (casadi issue 3456).
 _SOLVING = threading.Lock()
-
-CONVERGED = ("Solve_Succeeded", "Solved_To_Acceptable_Level")
 
 
 @dataclass(frozen=True)
@@ -101,7 +99,7 @@ def load_problem(folder: Path, manifest: Manifest) -> Any:
 
 
 def _options(options: Mapping[str, float | int | str]) -> dict[str, Any]:
-    ipopt = {**WARM_START, **options, "linear_solver": "mumps", "print_level": 0, "sb": "yes"}
+    ipopt = {**IPOPT_WARM, **options, "linear_solver": "mumps", "print_level": 0, "sb": "yes"}
     return {"ipopt": ipopt, "print_time": False, "error_on_fail": False, "show_eval_warnings": False}
 
 

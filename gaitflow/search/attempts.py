@@ -12,7 +12,7 @@ from gaitflow.core.gaits import Pattern, gait_of
 from gaitflow.core.task import Task
 from gaitflow.search import starts as guess
 from gaitflow.search.solution import Solution
-from gaitflow.solvers.ipopt import Attempt, FixedGaitSolver, Start
+from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, Start
 
 SAME_COST = 1e-6  # relative; a recheck replaces a solution only when it is better by more
 

@@ -22,7 +22,8 @@ from gaitflow.problem import GaitProblem, transcribe
 from gaitflow.search import starts
 from gaitflow.search.attempts import best_of, seed_of, solution
 from gaitflow.search.solution import Solution
-from gaitflow.solvers.ipopt import FixedGaitSolver, Start, call_solver, symbolic
+from gaitflow.solvers.fixed_gait import FixedGaitSolver, Start
+from gaitflow.solvers.ipopt import call_solver, symbolic
 
 NO_PATTERN = "none"
 NODE_ITERATIONS = 150  # of IPOPT in one node; a node that needs more is as good as infeasible

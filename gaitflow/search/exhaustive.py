@@ -20,7 +20,7 @@ from gaitflow.problem import transcribe
 from gaitflow.search.attempts import best_of, leaders, recheck, screened, solution, until_feasible
 from gaitflow.search.bound import ruled_out
 from gaitflow.search.solution import Solution
-from gaitflow.solvers.ipopt import Attempt, FixedGaitSolver
+from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver
 
 RECHECKED_GAITS = 3
 

@@ -24,7 +24,7 @@ from gaitflow.search.bound import ruled_out
 from gaitflow.search.exhaustive import RECHECKED_GAITS
 from gaitflow.search.moves import doubled, library, neighbours, repeated
 from gaitflow.search.solution import Solution
-from gaitflow.solvers.ipopt import Attempt, FixedGaitSolver
+from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver
 
 COARSENESS = 0.4  # share of the knots in a phase that a probe has, if that is at least LEAST_KNOTS
 LEAST_KNOTS = 3

@@ -5,20 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from gaitflow.core.trajectory import Array, Trajectory
+from gaitflow.core.trajectory import Trajectory
+from gaitflow.solvers.point import Multipliers
+
+__all__ = ["Multipliers", "Solution", "Status"]
 
 # solved: our check found it feasible. infeasible: no start led to a feasible point. failed: limit, exception or
 # crash of the solver. screened: a necessary condition rules the pattern out, nothing was solved. probed: solved on a
 # coarse mesh only, where it was far from the best.
 Status = Literal["solved", "infeasible", "failed", "screened", "probed"]
-
-
-@dataclass(frozen=True)
-class Multipliers:
-    """Lagrange multipliers of the scaled fixed-gait problem: bounds [nw] and rows [ng], CasADi's signs."""
-
-    bounds: Array
-    rows: Array
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,14 @@ LARGEST_LOG = 20.0
 
 
 @dataclass(frozen=True)
+class Multipliers:
+    """Lagrange multipliers of the scaled fixed-gait problem: bounds [nw] and rows [ng], CasADi's signs."""
+
+    bounds: Array
+    rows: Array
+
+
+@dataclass(frozen=True)
 class Point:
     """A primal-dual point of a gait whose cost is divided by a unit.
 

@@ -1,4 +1,4 @@
-"""The artifact's problem with its first and second derivatives, evaluated into arrays that are never allocated anew."""
+"""A problem with its first and second derivatives, evaluated into arrays that are never allocated anew."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ Places = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
 def derivatives(problem: Any) -> Any:
-    """The CasADi function (w [nw], task [2], multipliers [ng]) -> (cost, rows, gradient, Jacobian, Hessian).
+    """The CasADi function (w [nw], task [axes], multipliers [ng]) -> (cost, rows, gradient, Jacobian, Hessian).
 
-    `problem` is the artifact's (w, task) -> (cost, rows); the Hessian is the upper triangle of the Lagrangian's,
-    cost + multipliers @ rows. Built once a map; evaluating it takes no compiler.
+    `problem` is (w, task) -> (cost, rows); the Hessian is the upper triangle of the Lagrangian's, cost + multipliers @
+    rows. Evaluating it takes no compiler.
     """
     import casadi
 
@@ -32,13 +32,15 @@ def derivatives(problem: Any) -> Any:
 
 
 class Program:
-    """A problem and its `derivatives`, one evaluation at a time; its arrays hold the last one's values. For one thread.
+    """A problem (w [nw], task [axes]) -> (cost, rows [ng]) and its derivatives. For one thread.
 
-    cost [1], rows [ng], gradient [nw]; jacobian and hessian are the values of fixed places, (row, column) each:
-    `jacobian_places` and, upper triangle, `hessian_places`.
+    Arrays hold the values of the last evaluation: cost [1], rows [ng], gradient [nw]; jacobian and hessian are the values of fixed places, (row, column) each:
+    `jacobian_places` and, upper triangle, `hessian_places`. Several programs of one problem may share its `derivatives`,
+    which take seconds to build in space.
     """
 
-    def __init__(self, problem: Any, function: Any) -> None:
+    def __init__(self, problem: Any, function: Any | None = None) -> None:
+        function = derivatives(problem) if function is None else function
         self.variables, self.row_count = function.numel_in(0), function.numel_in(2)
         self.jacobian_places = _places(function.sparsity_out(3))
         self.hessian_places = _places(function.sparsity_out(4))
@@ -52,7 +54,7 @@ class Program:
         self._evaluate_rows = self._bound(problem, self._inputs[:2], every[:2])
 
     def evaluate(self, w: Array, task: Array, multipliers: Array) -> None:
-        """Evaluate all at w [nw], task [2] = (v, T) and multipliers [ng]."""
+        """Evaluate all at w [nw], task [axes] and multipliers [ng]."""
         for array, value in zip(self._inputs, (w, task, multipliers), strict=True):
             array[:] = value
         self._evaluate()

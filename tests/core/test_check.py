@@ -18,7 +18,7 @@ from gaitflow.core.trajectory import Array, Trajectory
 from gaitflow.problem import GaitProblem, transcribe
 from gaitflow.core.layout import GRAVITY
 from gaitflow.search import starts
-from gaitflow.solvers.ipopt import FixedGaitSolver, Start
+from gaitflow.solvers.fixed_gait import FixedGaitSolver, Start
 
 SPEED, CYCLE = 0.9, 0.6
 

@@ -23,7 +23,7 @@ from gaitflow.publishing import Parts, publish
 from gaitflow.runtime.atlas import Atlas
 from gaitflow.search.solution import Solution
 from gaitflow.search.starts import nominal
-from gaitflow.solvers.ipopt import Attempt, FixedGaitSolver, Start
+from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, Start
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 ROBOT = Path(__file__).parents[1] / "data" / "robots" / "planar.yaml"  # stays as it is when the shipped one changes

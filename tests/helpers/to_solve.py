@@ -11,7 +11,7 @@ from gaitflow.config.scenario import Scenario, Transcription, load_scenario
 from gaitflow.core.gaits import Pattern
 from gaitflow.problem import transcribe
 from gaitflow.search import starts
-from gaitflow.solvers.ipopt import Attempt, FixedGaitSolver, Start
+from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, Start
 
 Solve = Callable[..., Attempt]
 

@@ -20,7 +20,7 @@ from gaitflow.dataset import Solutions, load_solutions
 from gaitflow.problem import transcribe
 from gaitflow.search import starts as guess
 from gaitflow.search.solution import Solution
-from gaitflow.solvers.ipopt import FixedGaitSolver, Start
+from gaitflow.solvers.fixed_gait import FixedGaitSolver, Start
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 ROBOT = Path(__file__).parents[1] / "data" / "robots" / "planar.yaml"  # stays as it is when the shipped one changes

@@ -11,7 +11,7 @@ from gaitflow.problem import transcribe
 from gaitflow.search import starts
 from gaitflow.search.bound import least_cost, ruled_out
 from gaitflow.search.screen import NO_ROOM, NO_SUPPORT, NO_SWING, longest_support
-from gaitflow.solvers.ipopt import Attempt, FixedGaitSolver, Start
+from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, Start
 
 Solve = Callable[..., Attempt]
 OBJECTIVES = {

@@ -15,7 +15,7 @@ from gaitflow.core.task import Task
 from gaitflow.search import Solution, solve_tasks
 from gaitflow.search.attempts import best_of, seed_of, solution
 from gaitflow.search.exhaustive import candidate_patterns, solve_chain
-from gaitflow.solvers.ipopt import Attempt, FixedGaitSolver, Start
+from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, Start
 
 Solve = Callable[..., Attempt]
 CHAIN = [Task(0.4, 0.6), Task(0.7, 0.6), Task(1.0, 0.6, "held_out")]

@@ -12,7 +12,7 @@ from gaitflow.core.gaits import Pattern, gait_of
 from gaitflow.core.task import Task
 from gaitflow.search import Solution, solve_tasks
 from gaitflow.search.guided import coarse, halved
-from gaitflow.solvers.ipopt import Attempt, FixedGaitSolver
+from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver
 
 CHAIN = [Task(0.4, 0.6), Task(0.9, 0.6)]
 GUIDED = Strategy(name="guided", restarts=1)

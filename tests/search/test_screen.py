@@ -12,7 +12,7 @@ from gaitflow.core.gaits import Pattern, all_patterns
 from gaitflow.problem import transcribe
 from gaitflow.search import starts as guess
 from gaitflow.search.screen import reach, why_impossible
-from gaitflow.solvers.ipopt import FixedGaitSolver, Start
+from gaitflow.solvers.fixed_gait import FixedGaitSolver, Start
 
 PATTERNS = all_patterns(2, 4)
 TRAVEL = "stance travel and swing speed do not fit into the cycle"

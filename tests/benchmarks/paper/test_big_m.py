@@ -12,7 +12,7 @@ from gaitflow.core.check import FEASIBLE, violations
 from gaitflow.core.gaits import Pattern
 from gaitflow.problem import GaitProblem, transcribe
 from gaitflow.search import starts
-from gaitflow.solvers.ipopt import Attempt, FixedGaitSolver, Start
+from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, Start
 
 GALLOP, SPEED, CYCLE = Pattern.from_text("0110/1100"), 1.3, 0.6
 

@@ -19,7 +19,7 @@ from gaitflow.problem import transcribe
 from gaitflow.publishing import Parts, publish
 from gaitflow.runtime.atlas import Atlas
 from gaitflow.search.starts import nominal
-from gaitflow.solvers.ipopt import FixedGaitSolver, Start
+from gaitflow.solvers.fixed_gait import FixedGaitSolver, Start
 
 
 def guided(scenario: Scenario, **strategy: Any) -> Scenario:
