@@ -3,92 +3,124 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise, product
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
+
+from gaitflow.core.task import AXES
+from gaitflow.core.trajectory import Array
 
 # Grid values are rounded to 1e-9 when a scenario is read; a query this close to one is that one.
 SNAP = 1e-9
 
 
-@dataclass(frozen=True)
-class Domain:
-    """A grid of tasks: rising speeds [m/s], rising cycle durations [s], feasible [speeds][cycle durations].
+class AxisValues(Protocol):
+    """A task's values by axis: a mapping, or a `Task`."""
 
-    A task is inside when every grid task that surrounds it has a feasible gait: the four corners of its cell, the two
-    ends of its grid line, or the one grid task it coincides with. Nothing beyond the outermost grid tasks is inside.
+    def __getitem__(self, axis: str, /) -> float: ...
+
+
+@dataclass(frozen=True, eq=False)
+class Domain:
+    """A grid of tasks: for every ranged axis its rising values, in the order of AXES, and which tasks are feasible.
+
+    `feasible` has one dimension an axis. A task is inside when every grid task that surrounds it has a feasible gait:
+    the corners of its cell, the ends of its grid line, or the one grid task it coincides with. Nothing beyond the
+    outermost grid tasks is inside. Raises ValueError for axes that are unknown or do not rise, or another shape.
     """
 
-    speeds: tuple[float, ...]
-    cycle_durations: tuple[float, ...]
-    feasible: tuple[tuple[bool, ...], ...]
+    axes: Mapping[str, tuple[float, ...]]
+    feasible: NDArray[np.bool_]
 
-    def contains(self, speed: float, cycle_duration: float) -> bool:
-        """Whether one finite task is inside."""
-        i, k = _around(self.speeds, speed)
-        j, m = _around(self.cycle_durations, cycle_duration)
-        if i < 0 or j < 0 or k == len(self.speeds) or m == len(self.cycle_durations):
-            return False
-        low, high = self.feasible[i], self.feasible[k]
-        return low[j] and low[m] and high[j] and high[m]
+    def __post_init__(self) -> None:
+        for axis, values in self.axes.items():
+            if axis not in AXES or not values or any(b <= a for a, b in pairwise(values)):
+                raise ValueError(f"domain.{axis}: must be one of {', '.join(AXES)}, with rising values")
+        shape = tuple(map(len, self.axes.values()))
+        if not shape or self.feasible.shape != shape or self.feasible.dtype != np.bool_:
+            raise ValueError(f"domain: feasible is {self.feasible.dtype} {self.feasible.shape}; expected bool {shape}")
 
-    def contains_many(self, speeds: NDArray[np.float64], cycle_durations: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """`contains` for arrays of one shape."""
-        i, k = _around_many(self.speeds, speeds)
-        j, m = _around_many(self.cycle_durations, cycle_durations)
-        inside = (i >= 0) & (j >= 0) & (k < len(self.speeds)) & (m < len(self.cycle_durations))
-        i, k, j, m = (np.where(inside, index, 0) for index in (i, k, j, m))
-        grid = self._grid
-        result: NDArray[np.bool_] = inside & grid[i, j] & grid[i, m] & grid[k, j] & grid[k, m]
-        return result
+    def contains(self, task: AxisValues) -> bool:
+        """Whether one finite task is inside; it may have values on other axes, too, which are not looked at."""
+        around = []
+        for axis, values in self.axes.items():
+            first, last = _around(values, task[axis])
+            if first < 0 or last == len(values):
+                return False
+            around.append(slice(min(first, last), max(first, last) + 1))
+        return bool(self.feasible[tuple(around)].all())
 
-    def explain(self, speed: float, cycle_duration: float) -> str:
-        """Why a task is not inside: the value and the range, or the surrounding tasks without a feasible gait."""
-        for name, value, axis, unit in (
-            ("speed", speed, self.speeds, "m/s"),
-            ("cycle_duration", cycle_duration, self.cycle_durations, "s"),
-        ):
-            first, last = _around(axis, value)
-            if first < 0 or last == len(axis):
-                return f"{name} = {value:g} {unit} is outside the map's {axis[0]:g} to {axis[-1]:g} {unit}"
-        corners = {
-            (self.speeds[i], self.cycle_durations[j])
-            for i in _around(self.speeds, speed)
-            for j in _around(self.cycle_durations, cycle_duration)
-            if not self.feasible[i][j]
-        }
-        tasks = ", ".join(f"({v:g} m/s, {t:g} s)" for v, t in sorted(corners))
-        return f"task ({speed:g} m/s, {cycle_duration:g} s) lies at grid tasks without a feasible gait: {tasks}"
+    def contains_many(self, tasks: Mapping[str, Array]) -> NDArray[np.bool_]:
+        """`contains` for arrays of one shape, one for every axis."""
+        around = []
+        inside = np.ones(np.broadcast_shapes(*(np.shape(tasks[axis]) for axis in self.axes)), dtype=bool)
+        for axis, values in self.axes.items():
+            first = np.searchsorted(values, tasks[axis] + SNAP, side="right") - 1
+            last = np.searchsorted(values, tasks[axis] - SNAP, side="left")
+            inside &= (first >= 0) & (last < len(values))
+            around.append((first, last))
+        for corner in product((0, 1), repeat=len(around)):
+            places = (np.where(inside, ends[side], 0) for ends, side in zip(around, corner, strict=True))
+            inside &= self.feasible[tuple(places)]
+        return inside
 
-    def distance(self, speed: float, cycle_duration: float) -> float:
+    def explain(self, task: AxisValues) -> str:
+        """Why a task is not inside: axis, value and range, or the surrounding tasks without a feasible gait."""
+        around = []
+        for axis, values in self.axes.items():
+            first, last = _around(values, task[axis])
+            if first < 0 or last == len(values):
+                low, value, high = (_text(axis, x) for x in (values[0], task[axis], values[-1]))
+                return f"{axis} = {value} is outside the map's {low} to {high}"
+            around.append(sorted({first, last}))
+        without = [places for places in product(*around) if not self.feasible[places]]
+        grid = tuple(self.axes.values())
+        tasks = (self._task_text([values[i] for values, i in zip(grid, places, strict=True)]) for places in without)
+        asked = self._task_text([task[axis] for axis in self.axes])
+        return f"task {asked} lies at grid tasks without a feasible gait: {', '.join(tasks)}"
+
+    def distance(self, task: AxisValues) -> float:
         """From a task to the nearest grid task with a feasible gait, in steps of the grid; infinite without any."""
-        tasks, steps = self._trained
-        if not len(tasks):
+        if not len(self._trained):
             return float("inf")
         with np.errstate(over="ignore"):  # further than a float reaches is infinitely far
-            away = (tasks - (speed, cycle_duration)) / steps
-            return float(np.hypot(away[:, 0], away[:, 1]).min())
+            away = (self._trained - [task[axis] for axis in self.axes]) / self.steps
+            return float(np.hypot.reduce(away, axis=1).min())
 
     @cached_property
-    def _trained(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Grid tasks with a feasible gait [n, 2], and the mean steps of the axes [2]; 1 for an axis of one value."""
-        axes = (self.speeds, self.cycle_durations)
-        rows, columns = np.nonzero(self._grid)
-        tasks = np.column_stack([np.array(axis)[index] for axis, index in zip(axes, (rows, columns), strict=True)])
-        steps = [(axis[-1] - axis[0]) / (len(axis) - 1) if len(axis) > 1 else 1.0 for axis in axes]
-        return tasks, np.array(steps)
+    def steps(self) -> Array:
+        """Mean step of every axis [a] in its unit; 1 for an axis of one value."""
+        return np.array([(v[-1] - v[0]) / (len(v) - 1) if len(v) > 1 else 1.0 for v in self.axes.values()])
+
+    @property
+    def middle(self) -> dict[str, float]:
+        """The grid task with a feasible gait nearest to the middle of all axes. Raises ValueError without any."""
+        if not len(self._trained):
+            raise ValueError("the domain has no task with a feasible gait")
+        ends = np.array([(values[0], values[-1]) for values in self.axes.values()])
+        away = np.linalg.norm((self._trained - ends.mean(axis=1)) / self.steps, axis=1)
+        return dict(zip(self.axes, self._trained[away.argmin()].tolist(), strict=True))
 
     @cached_property
-    def _grid(self) -> NDArray[np.bool_]:
-        return np.array(self.feasible, dtype=bool)
+    def _trained(self) -> Array:
+        """Grid tasks with a feasible gait [n, a]."""
+        places = np.nonzero(self.feasible)
+        return np.column_stack([np.array(v)[index] for v, index in zip(self.axes.values(), places, strict=True)])
+
+    def _task_text(self, values: Sequence[float]) -> str:
+        return f"({', '.join(_text(axis, value) for axis, value in zip(self.axes, values, strict=True))})"
 
 
-def _around(axis: tuple[float, ...], value: float) -> tuple[int, int]:
-    """Indices of the last grid value at or below `value` and the first at or above; -1 and len(axis) are beyond."""
-    return bisect_right(axis, value + SNAP) - 1, bisect_left(axis, value - SNAP)
+def _text(axis: str, value: float) -> str:
+    unit = AXES[axis].unit
+    return f"{value:g}" if unit == "1" else f"{value:g} {unit}"
 
 
-def _around_many(axis: tuple[float, ...], values: NDArray[np.float64]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    return np.searchsorted(axis, values + SNAP, side="right") - 1, np.searchsorted(axis, values - SNAP, side="left")
+def _around(values: tuple[float, ...], value: float) -> tuple[int, int]:
+    """Indices of the last grid value at or below `value` and the first at or above; -1 and len(values) are beyond."""
+    return bisect_right(values, value + SNAP) - 1, bisect_left(values, value - SNAP)
