@@ -14,10 +14,27 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 
 MAX_CONFIG_BYTES = 1_000_000
 MAX_ERRORS = 20  # lines of one ConfigError
+FORMS = ("(mapping)", "(value)")  # tags of the two forms that a field may have, which no error shows
 
 
 class ConfigError(ValueError):
     """A configuration file that cannot be used: names the file, the field, the value and what is allowed."""
+
+
+class FrozenDict(dict[str, Any]):
+    """A mapping that cannot be changed, so that a frozen model with it can be hashed."""
+
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(frozenset(self.items()))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (dict(self),)
+
+    def _refused(self, *_: Any, **__: Any) -> Any:
+        raise TypeError("a configuration is frozen")
+
+    __setitem__ = __delitem__ = __ior__ = _refused
+    clear = pop = popitem = setdefault = update = _refused
 
 
 class Config(BaseModel):
@@ -61,7 +78,7 @@ def _to_json(data: Any, source: str) -> str:
 def _explain(model: type[BaseModel], item: Any) -> str:
     """One line on one pydantic error: field, value, what is allowed."""
     kind, loc, value = item["type"], item["loc"], item["input"]
-    field = ".".join(str(part) for part in loc)
+    field = ".".join(str(part) for part in loc if part not in FORMS)
     if kind == "value_error":  # of a validator of ours, whose text gives the values it compared
         return f"{field}: {item['ctx']['error']}" if field else str(item["ctx"]["error"])
     if kind == "missing":
@@ -78,10 +95,10 @@ def _explain(model: type[BaseModel], item: Any) -> str:
 
 
 def _fields_at(model: type[BaseModel], loc: Sequence[str | int]) -> list[str]:
-    """Names of the fields allowed at a place in a model; list indices lead to the list's items."""
+    """Names of the fields allowed at a place in a model; list indices and keys lead to the items."""
     for part in loc:
-        if isinstance(part, str):
-            model = _model_in(model.model_fields[part].annotation) or model
+        if part in model.model_fields:
+            model = _model_in(model.model_fields[str(part)].annotation) or model
     return list(model.model_fields)
 
 

@@ -9,19 +9,21 @@ from __future__ import annotations
 
 import hashlib
 import json
-from difflib import get_close_matches
 from pathlib import Path
 from reprlib import repr as short
 from typing import Annotated, Any, Literal
 
-import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
+from gaitflow.config.axes import Range, Tasks
 from gaitflow.config.file import Config, ConfigError, read_yaml, require_mapping
 from gaitflow.config.robot import Robot, load_robot
 from gaitflow.core.gaits import Symmetry
-from gaitflow.core.task import AXES, Task, span
-from gaitflow.core.task_space import TaskSpace
+from gaitflow.core.task import AXES, Task
+
+__all__ = [
+    "Learning", "Objective", "Range", "Scenario", "Strategy", "Tasks", "Transcription", "digest_of", "load_scenario"
+]  # fmt: skip
 
 Weight = Annotated[float, Field(ge=0)]
 Count = Annotated[int, Field(ge=1)]
@@ -76,71 +78,6 @@ class Transcription(Config):
     def time_symmetric(self) -> bool:
         """Whether a motion run backwards is a motion, too: so for rules that treat both ends of a step alike."""
         return self.integrator in ("midpoint", "hermite_simpson", "momentum")
-
-
-class Range(Config):
-    """`count` evenly spaced values from `start` to `stop`, both included."""
-
-    start: float
-    stop: float
-    count: Annotated[int, Field(ge=1, le=10_000)]
-
-    @model_validator(mode="after")
-    def _ordered(self) -> Range:
-        if self.stop < self.start or (self.count > 1 and self.stop == self.start):
-            raise ValueError(
-                f"stop = {self.stop:g}, start = {self.start:g}, count = {self.count}: stop must be above start "
-                "(equal only when count is 1)"
-            )
-        return self
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        """The values, rounded to 1e-9 so that a task prints as it was written."""
-        return tuple(round(float(x), 9) for x in np.linspace(self.start, self.stop, self.count))
-
-
-class Tasks(Config):
-    """A range or a fixed value for the axes of a task (`gaitflow.core.task.AXES`), and held-out tasks between.
-
-    The grid is the product of the ranges. An axis that is not named has its default; cycle_duration has none.
-    """
-
-    axes: dict[str, Range | float]
-    held_out: Annotated[int, Field(ge=0, le=100_000)] = 0
-    held_out_seed: int = 0
-
-    @field_validator("axes")
-    @classmethod
-    def _physical(cls, axes: dict[str, Range | float]) -> dict[str, Range | float]:
-        for name, values in axes.items():
-            if name not in AXES:
-                meant = get_close_matches(name, AXES, 1)
-                hint = f"did you mean {meant[0]}? " if meant else ""
-                raise ValueError(f"{short(name)}: unknown axis; {hint}The axes are {', '.join(AXES)}")
-            ends = (values.start, values.stop) if isinstance(values, Range) else (values,)
-            for value in ends:
-                if not AXES[name].admits(value):
-                    raise ValueError(f"{name} = {value:g}: must lie in {span(name)}")
-        if "cycle_duration" not in axes:
-            raise ValueError("cycle_duration: missing; give it a value [s] or a range {start, stop, count}")
-        if not any(isinstance(values, Range) for values in axes.values()):
-            raise ValueError("no axis has a range: a map needs one at least, written {start, stop, count}")
-        return {name: axes[name] for name in AXES if name in axes}
-
-    @property
-    def ranges(self) -> dict[str, Range]:
-        """The axes that have a range, in the order of AXES."""
-        return {name: values for name, values in self.axes.items() if isinstance(values, Range)}
-
-    def varies(self, axis: str) -> bool:
-        """Whether an axis has a range, or is fixed at another value than 0."""
-        return self.axes.get(axis, AXES[axis].default) != 0
-
-    @property
-    def space(self) -> TaskSpace:
-        """Which axes have a range, and the values of the fixed ones."""
-        return TaskSpace.of({"tasks": self.as_data()})
 
 
 class Strategy(Config):

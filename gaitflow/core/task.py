@@ -24,7 +24,7 @@ class Axis:
     """One number of a task: its unit, the values that are physical, and the one it has when nobody gives any.
 
     spatial: needs a robot with dimension 3. mirrored: changes its sign in a left-right mirror image. reversed: changes
-    its sign when time runs backwards and the body is turned to face forwards again.
+    its sign when time runs backwards and front and hind are swapped, left and right staying, so that it goes forwards.
     """
 
     name: str
@@ -47,7 +47,7 @@ AXES: dict[str, Axis] = {
     axis.name: axis
     for axis in (
         Axis("speed", "m/s", -20.0, 20.0, 0.0, "forward speed v, the mean over a cycle"),
-        Axis("lateral_speed", "m/s", -10.0, 10.0, 0.0, "speed to the left", spatial=True, mirrored=True),
+        Axis("lateral_speed", "m/s", -10.0, 10.0, 0.0, "speed to the left", spatial=True, mirrored=True, reversed=True),
         Axis("yaw_rate", "rad/s", -10.0, 10.0, 0.0, "turning rate, to the left", spatial=True, mirrored=True),
         Axis("acceleration", "m/s^2", -20.0, 20.0, 0.0, "gain of forward speed over a cycle, over T", reversed=True),
         Axis("cycle_duration", "s", 0.01, 20.0, None, "duration T of a cycle"),
@@ -116,7 +116,7 @@ class Task:
         return self._signed([axis.mirrored for axis in AXES.values()])
 
     def time_reversed(self) -> Task:
-        """The task of the motion run backwards by a body that faces the other way: forward speed stays forward."""
+        """The task of the motion run backwards with front and hind swapped: forward speed stays forward."""
         return self._signed([axis.reversed for axis in AXES.values()])
 
     def _signed(self, flips: Sequence[bool]) -> Task:
