@@ -18,14 +18,17 @@ import numpy as np
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern, representative
 from gaitflow.core.task import Task
+from gaitflow.core.trajectory import Array
 from gaitflow.problem import GaitProblem, transcribe
 from gaitflow.search import starts
-from gaitflow.search.attempts import best_of, seed_of, solution
+from gaitflow.search.attempts import seed_of
+from gaitflow.search.rows import solution
 from gaitflow.search.solution import Solution
 from gaitflow.solvers.fixed_gait import FixedGaitSolver, Start
 from gaitflow.solvers.ipopt import call_solver, symbolic
 
 NO_PATTERN = "none"
+INTEGRAL = 1e-3  # largest distance of a contact that counts as decided from 0 or 1
 NODE_ITERATIONS = 150  # of IPOPT in one node; a node that needs more is as good as infeasible
 
 
@@ -61,18 +64,15 @@ def make_bonmin(problem: GaitProblem, time_limit: float) -> ca.Function:
 
 def _restart(problem: GaitProblem, bonmin: ca.Function, fixed: FixedGaitSolver, task: Task, seed: int) -> Solution:
     scenario, layout = problem.scenario, problem.layout
-    speed, cycle = task.speed, task.cycle_duration
-    rng = np.random.default_rng(seed_of(seed, speed, cycle))
-    start = np.concatenate(
-        [starts.random(scenario.robot, layout, speed, cycle, rng), rng.integers(0, 2, layout.legs * layout.phases)]
-    )
+    rng = np.random.default_rng(seed_of(seed, *task.values))
+    motion = starts.random(scenario.robot, layout, task, rng)
     bounds = problem.minlp_bounds()
     wall, cpu = time.perf_counter(), time.process_time()
     status, iterations, result = call_solver(
         bonmin,
         {
-            "x0": start,
-            "p": [speed, cycle],
+            "x0": np.concatenate([motion, rng.integers(0, 2, layout.legs * layout.phases)]),
+            "p": task.parameters,
             "lbx": bounds.lower,
             "ubx": bounds.upper,
             "lbg": bounds.lower_rows,
@@ -80,29 +80,42 @@ def _restart(problem: GaitProblem, bonmin: ca.Function, fixed: FixedGaitSolver, 
         },
     )
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-    nan = float("nan")
-    row = Solution(
-        speed, cycle, task.split, NO_PATTERN, NO_PATTERN, scenario.strategy.name, f"random-{seed}", seed,
-        "infeasible" if status == "INFEASIBLE" else "failed", status, nan, nan, iterations, 1, wall, cpu,
-    )  # fmt: skip
+    name = f"random-{seed}"
     contacts = result["x"][layout.nw :].reshape(layout.legs, layout.phases)
-    # Stopped before it met a solution, Bonmin hands back zeros; and where no leg ever stands there is no gait.
-    decided = np.abs(contacts - contacts.round()).max() < 1e-3 and contacts.round().any()
-    decided = decided and not status.startswith("exception")
-    if status == "INFEASIBLE" or not decided:
-        return row
+    if status == "INFEASIBLE" or status.startswith("exception") or not _is_pattern(contacts):
+        return Solution(
+            task=task,
+            pattern=NO_PATTERN,
+            gait=NO_PATTERN,
+            strategy=scenario.strategy.name,
+            start=name,
+            seed=seed,
+            status="infeasible" if status == "INFEASIBLE" else "failed",
+            solver_status=status,
+            cost=float("nan"),
+            violation=float("nan"),
+            iterations=iterations,
+            solves=1,
+            wall_s=wall,
+            cpu_s=cpu,
+        )
     found = Pattern(tuple("".join(str(int(c)) for c in leg.round()) for leg in contacts))
     # Bonmin's point belongs to its own cut of the cycle, so it is polished before the cycle is rotated.
-    polished = fixed.solve(found, speed, cycle, Start(row.start, result["x"][: layout.nw]))
-    canonical = representative(found, scenario.robot.mirror_permutation if scenario.robot.mirror else None)
-    kept = solution(scenario, task, found, [polished])
+    polished = fixed.solve(found, task, Start(name, result["x"][: layout.nw]))
+    canonical = representative(found, scenario.symmetry(task))
     return replace(
-        kept,
+        solution(scenario, task, found, [polished]),
         seed=seed,
         solver_status=f"{status}, then {polished.solver_status}; cyclically {canonical.text}",
-        status="solved" if best_of([polished]) else "failed",
+        status="solved" if polished.feasible else "failed",
         iterations=iterations + polished.iterations,
         solves=2,
         wall_s=wall + polished.wall_s,
         cpu_s=cpu + polished.cpu_s,
     )
+
+
+def _is_pattern(contacts: Array) -> bool:
+    """Whether contacts [legs, phases] are decided, and not the zeros of a run that was stopped before it met any."""
+    rounded = contacts.round()
+    return bool(np.abs(contacts - rounded).max() < INTEGRAL and rounded.any())

@@ -16,13 +16,15 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 from gaitflow.config.scenario import Scenario
-from gaitflow.core.gaits import Pattern, representative
+from gaitflow.core.gaits import Pattern, Symmetry, representative
 from gaitflow.core.task import Task
 from gaitflow.problem import transcribe
-from gaitflow.search.attempts import best_of, leaders, recheck, screened, solution, until_feasible
+from gaitflow.search.attempts import best_of, leaders, recheck, until_feasible
 from gaitflow.search.bound import ruled_out
 from gaitflow.search.exhaustive import RECHECKED_GAITS
-from gaitflow.search.moves import doubled, library, neighbours, repeated
+from gaitflow.search.moves import doubled, library, neighbours, repeated, standing
+from gaitflow.search.refine import Refinement
+from gaitflow.search.rows import solution, unsolved
 from gaitflow.search.solution import Solution
 from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver
 
@@ -93,11 +95,10 @@ class _Search:
 
     def __init__(self, scenario: Scenario) -> None:
         self.scenario = scenario
-        robot, settings = scenario.robot, scenario.transcription
-        self.mirror = robot.mirror_permutation if robot.mirror else None
-        limit = scenario.strategy.solve_time_limit
+        settings, limit = scenario.transcription, scenario.strategy.solve_time_limit
         self.fine = FixedGaitSolver(transcribe(scenario), limit)
         self.coarse = FixedGaitSolver(transcribe(coarse(scenario)), limit)
+        self.refinement = Refinement(scenario)
         self.half = None
         if settings.phases > FEW_PHASES and settings.phases % 2 == 0:
             self.half = _Search(halved(scenario))
@@ -107,9 +108,10 @@ class _Search:
     def solve(self, task: Task) -> list[Solution]:
         """The rows of one task; keeps what the next one can start from."""
         explored, attempts = _Explored(), dict[Pattern, list[Attempt]]()
-        for pattern in self._cheapest_before()[:1]:
+        known = self._cheapest_before(task)
+        for pattern in known[:1]:
             self._finish(task, pattern, attempts)
-        seeds = [*self._cheapest_before(), *self._seeds(task, explored)]
+        seeds = [*known, *self._seeds(task, explored)]
         if _incumbent(attempts) == math.inf:
             self._probe(task, seeds, explored, math.inf)
             for pattern in explored.ranked()[:1]:
@@ -117,32 +119,38 @@ class _Search:
         self._explore(task, seeds, explored, _incumbent(attempts))
         for pattern in self._finalists(explored):
             self._finish(task, pattern, attempts)
-        for pattern in leaders(self.scenario, attempts, RECHECKED_GAITS):
+        for pattern in leaders(self.scenario, task, attempts, RECHECKED_GAITS):
             attempts[pattern] += recheck(self.fine, pattern, task, attempts[pattern])
         self.probes = explored.probes
         self.solved = {pattern: best for pattern, tried in attempts.items() if (best := best_of(tried)) is not None}
-        return self._rows(task, explored, attempts)
+        return self.refinement.refined(task, self._rows(task, explored, attempts))
 
-    def _cheapest_before(self) -> list[Pattern]:
-        return sorted(self.solved, key=lambda pattern: (self.solved[pattern].cost, pattern))
+    def _cheapest_before(self, task: Task) -> list[Pattern]:
+        """What was solved at the last task, cheapest first."""
+        symmetry = self.scenario.symmetry(task)
+        ordered = sorted(self.solved, key=lambda pattern: (self.solved[pattern].cost, pattern))
+        return _representatives(ordered, symmetry)
 
     def _seeds(self, task: Task, explored: _Explored) -> list[Pattern]:
         """Where the search begins: the gait library, or what half as many phases do best; and two strides a cycle."""
-        phases, twice = self.scenario.transcription.phases, list[Pattern]()
-        if self.scenario.stances_per_leg is None and phases % 2 == 0:
-            twice = [repeated(pattern) for pattern in self._library(phases // 2)]
+        phases, symmetry = self.scenario.transcription.phases, self.scenario.symmetry(task)
+        others = list[Pattern]()
+        if self.scenario.stances_per_leg is None:
+            others.append(standing(len(self.scenario.robot.legs), phases))
+            if phases % 2 == 0:
+                others += [repeated(pattern) for pattern in self._library(phases // 2, symmetry)]
         if self.half is None:
-            return [*self._library(phases), *twice]
+            return _representatives([*self._library(phases, symmetry), *others], symmetry)
         found = _Explored()
         seeds = [*self.half._known(), *self.half._seeds(task, found)]
         self.half._explore(task, seeds, found, math.inf)
         self.half.probes = found.probes
         explored.before += [*found.before, *(call for calls in found.calls.values() for call in calls)]
         best = [doubled(pattern) for pattern in self.half._finalists(found)]
-        return [representative(pattern, self.mirror) for pattern in [*best, *twice]]
+        return _representatives([*best, *others], symmetry)
 
-    def _library(self, phases: int) -> tuple[Pattern, ...]:
-        return library(len(self.scenario.robot.legs), phases, self.mirror)
+    def _library(self, phases: int, symmetry: Symmetry) -> tuple[Pattern, ...]:
+        return library(len(self.scenario.robot.legs), phases, symmetry)
 
     def _known(self) -> list[Pattern]:
         """The promising patterns of the last task."""
@@ -157,7 +165,7 @@ class _Search:
             if not fresh:
                 break
             expanded.add(fresh[0])
-            moves = neighbours(fresh[0], self.scenario.stances_per_leg, self.mirror)
+            moves = neighbours(fresh[0], self.scenario.stances_per_leg, self.scenario.symmetry(task))
             self._probe(task, moves, explored, incumbent)
 
     def _probe(self, task: Task, patterns: Iterable[Pattern], explored: _Explored, incumbent: float) -> None:
@@ -166,7 +174,7 @@ class _Search:
                 continue
             if len(explored.probes) >= self.scenario.strategy.budget:
                 return
-            reason = ruled_out(self.scenario, pattern, task.speed, task.cycle_duration, incumbent)
+            reason = ruled_out(self.scenario, pattern, task, incumbent)
             if reason is not None:
                 explored.reasons[pattern] = reason
                 continue
@@ -198,15 +206,19 @@ class _Search:
             if pattern in attempts:
                 row = solution(self.scenario, task, pattern, attempts[pattern])
             elif probe is not None:
-                row = screened(self.scenario, task, pattern, _verdict(probe))
-                row = replace(row, status="probed", start=probe.start)
+                row = unsolved(self.scenario, task, pattern, _verdict(probe), "probed", probe.start)
             else:
-                row = screened(self.scenario, task, pattern, explored.reasons[pattern])
+                row = unsolved(self.scenario, task, pattern, explored.reasons[pattern])
             calls = explored.calls.get(pattern, [])
             if calls:
                 calls, unowned = [*calls, *unowned], []
             rows.append(_with_effort(row, calls))
         return rows
+
+
+def _representatives(patterns: Iterable[Pattern], symmetry: Symmetry) -> list[Pattern]:
+    """The patterns' representatives, each once, in order."""
+    return list(dict.fromkeys(representative(pattern, symmetry) for pattern in patterns))
 
 
 def _incumbent(attempts: dict[Pattern, list[Attempt]]) -> float:

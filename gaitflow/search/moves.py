@@ -6,15 +6,13 @@ or where the schedule spends its phases (merge one into its predecessor and spli
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from itertools import product
 
-from gaitflow.core.gaits import Pattern, can_move, representative
-
-Mirror = Sequence[int] | None
+from gaitflow.core.gaits import NO_SYMMETRY, Pattern, Symmetry, representative
 
 
-def library(legs: int, phases: int, mirror: Mirror = None) -> tuple[Pattern, ...]:
+def library(legs: int, phases: int, symmetry: Symmetry = NO_SYMMETRY) -> tuple[Pattern, ...]:
     """The gaits in which all legs have one duty factor and one stance, at every offset: walks, trots, paces, bounds.
 
     Representatives, longest stances first: whoever stops early has seen the walks. For 4 legs and 4 phases 108
@@ -24,18 +22,25 @@ def library(legs: int, phases: int, mirror: Mirror = None) -> tuple[Pattern, ...
     for stance in range(1, phases):
         row = "1" * stance + "0" * (phases - stance)
         for offsets in product(range(phases), repeat=legs - 1):
-            found.add(representative(Pattern(tuple(row[cut:] + row[:cut] for cut in (0, *offsets))), mirror))
+            found.add(representative(Pattern(tuple(row[cut:] + row[:cut] for cut in (0, *offsets))), symmetry))
     return tuple(sorted(found, key=lambda pattern: (-pattern.rows[0].count("1"), pattern)))
 
 
-def neighbours(pattern: Pattern, stances_per_leg: int | None = None, mirror: Mirror = None) -> tuple[Pattern, ...]:
-    """Representatives of all patterns one local move away that can move, sorted; never the pattern itself."""
+def neighbours(
+    pattern: Pattern, stances_per_leg: int | None = None, symmetry: Symmetry = NO_SYMMETRY
+) -> tuple[Pattern, ...]:
+    """Representatives of all patterns one local move away in which a leg stands, sorted; never the pattern itself."""
     views = {
-        representative(moved, mirror)
+        representative(moved, symmetry)
         for moved in (*_flips(pattern), *_shifts(pattern), *_respent(pattern))
-        if can_move(moved) and _allowed(moved, stances_per_leg)
+        if any("1" in row for row in moved.rows) and _allowed(moved, stances_per_leg)
     }
-    return tuple(sorted(views - {representative(pattern, mirror)}))
+    return tuple(sorted(views - {representative(pattern, symmetry)}))
+
+
+def standing(legs: int, phases: int) -> Pattern:
+    """All legs stand all the time."""
+    return Pattern(("1" * phases,) * legs)
 
 
 def doubled(pattern: Pattern) -> Pattern:

@@ -1,18 +1,17 @@
-"""What one solve gives: a trajectory with its cost and our own verdict, or why there is none."""
+"""What a search makes of one pattern at one task: a motion with its cost and our own verdict, or why there is none."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
 
+from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Trajectory
 from gaitflow.solvers.point import Multipliers
 
-__all__ = ["Multipliers", "Solution", "Status"]
-
-# solved: our check found it feasible. infeasible: no start led to a feasible point. failed: limit, exception or
-# crash of the solver. screened: a necessary condition rules the pattern out, nothing was solved. probed: solved on a
-# coarse mesh only, where it was far from the best.
+# solved: our check found it feasible. infeasible: no start led to a feasible point. failed: no verdict, but for limits,
+# exceptions or crashes of the solver. screened: a necessary condition rules the pattern out, nothing was solved.
+# probed: solved on a coarse mesh only, where it was far from the best.
 Status = Literal["solved", "infeasible", "failed", "screened", "probed"]
 
 
@@ -20,11 +19,9 @@ Status = Literal["solved", "infeasible", "failed", "screened", "probed"]
 class Solution:
     """One row of the dataset."""
 
-    speed: float  # m/s
-    cycle_duration: float  # s
-    split: Literal["grid", "held_out"]
+    task: Task
     pattern: str  # as solved, legs' rows of all phases joined by "/": "0110/1100"
-    gait: str  # canonical: equal neighbours merged, rotated, mirrored
+    gait: str  # canonical: equal neighbours merged, the smallest of its rotations and images under the task's symmetry
     strategy: str
     start: str  # where the kept solve began: "neighbour", "nominal", "random-3", ...
     seed: int
@@ -36,5 +33,7 @@ class Solution:
     solves: int  # solver calls of this row
     wall_s: float
     cpu_s: float
+    refined_cost: float = float("nan")  # of the same pattern on the finest mesh that was asked, NaN when none was
+    refined_knots: int = 0  # knots a phase of that mesh, 0 when none was asked
     trajectory: Trajectory | None = None
     multipliers: Multipliers | None = None
