@@ -1,6 +1,7 @@
 from __future__ import annotations
 
-from dataclasses import astuple
+from itertools import groupby
+from typing import Any
 
 import pytest
 
@@ -8,15 +9,46 @@ from gaitflow.config.scenario import Scenario
 from gaitflow.config.tasks import tasks_of
 
 
-def changed(scenario: Scenario, **tasks: object) -> Scenario:
+def changed(scenario: Scenario, axes: dict[str, Any] | None = None, **tasks: object) -> Scenario:
     data = scenario.as_data()
     data["tasks"].update(tasks)
+    data["tasks"]["axes"].update(axes or {})
     return Scenario.from_data(data, "test")
 
 
 def test_grid_comes_first_with_speed_fastest(scenario: Scenario) -> None:
-    grid = [astuple(task) for task in tasks_of(scenario) if task.split == "grid"]
-    assert grid == [(v, t, "grid") for t in (0.4, 1.2) for v in (0.1, 1.1, 2.1)]
+    tasks = tasks_of(scenario)
+    assert [task.split for task in tasks] == ["grid"] * 6 + ["held_out"] * 3
+    grid = [(task.speed, task.cycle_duration) for task in tasks[:6]]
+    assert grid == [(v, t) for t in (0.4, 1.2) for v in (0.1, 1.1, 2.1)]
+
+
+def test_a_grid_of_any_axes_keeps_chains_of_speeds_together(scenario: Scenario) -> None:
+    many = changed(
+        scenario,
+        {
+            "friction": {"start": 0.5, "stop": 0.7, "count": 3},
+            "slope": {"start": -20.0, "stop": 20.0, "count": 5},
+            "acceleration": 0.3,
+        },
+    )
+    grid = [task for task in tasks_of(many) if task.split == "grid"]
+    others = ("cycle_duration", "slope", "friction")
+    assert len(grid) == len({task.on(("speed", *others)) for task in grid}) == 3 * 2 * 5 * 3
+    chains = [list(chain) for _, chain in groupby(grid, key=lambda task: task.on(others))]
+    assert all([task.speed for task in chain] == [0.1, 1.1, 2.1] for chain in chains)
+    assert [chain[0].on(others) for chain in chains] == sorted(chain[0].on(others) for chain in chains)
+    assert {task["acceleration"] for task in tasks_of(many)} == {0.3}
+    drawn = [task.on(("speed", *others)) for task in tasks_of(many) if task.split == "held_out"]
+    low, high = (0.1, 0.4, -20.0, 0.5), (2.1, 1.2, 20.0, 0.7)
+    assert all(a <= x <= b for values in drawn for a, x, b in zip(low, values, high, strict=True))
+
+
+def test_one_axis_is_enough(scenario: Scenario) -> None:
+    line = changed(scenario, {"speed": 0.9})
+    grid = [task for task in tasks_of(line) if task.split == "grid"]
+    assert [(task.speed, task.cycle_duration) for task in grid] == [(0.9, 0.4), (0.9, 1.2)]
+    assert all(task.speed == 0.9 for task in tasks_of(line))
 
 
 def test_held_out_tasks_lie_inside_off_the_grid_and_repeat(scenario: Scenario) -> None:
@@ -39,12 +71,12 @@ def test_asking_for_more_keeps_those_drawn_before(scenario: Scenario) -> None:
 
 
 def test_one_line_of_tasks_is_enough_to_draw_from(scenario: Scenario) -> None:
-    line = changed(scenario, cycle_duration={"start": 0.5, "stop": 0.5, "count": 1})
+    line = changed(scenario, {"cycle_duration": {"start": 0.5, "stop": 0.5, "count": 1}})
     held_out = [task for task in tasks_of(line) if task.split == "held_out"]
     assert {task.cycle_duration for task in held_out} == {0.5} and len(held_out) == 3
 
 
 def test_a_single_point_has_nothing_to_hold_out(scenario: Scenario) -> None:
     point = {"start": 0.5, "stop": 0.5, "count": 1}
-    with pytest.raises(ValueError, match=r"tasks.held_out = 3: only 0 tasks off the grid fit"):
-        tasks_of(changed(scenario, speed=point, cycle_duration=point))
+    with pytest.raises(ValueError, match=r"tasks.held_out = 3: only 0 tasks off the grid fit between \(0\.5, 0\.5\)"):
+        tasks_of(changed(scenario, {"speed": point, "cycle_duration": point}))

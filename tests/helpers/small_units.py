@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from gaitflow.config.scenario import Scenario, load_scenario
+from gaitflow.core.layout import Layout
 from gaitflow.core.trajectory import Trajectory
-from gaitflow.dataset.schema import Sizes
 from gaitflow.search.solution import Multipliers, Solution
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import Unit, plan_units
@@ -26,8 +26,10 @@ def scenario(checkout: Path) -> Scenario:
     data = load_scenario(checkout / "configs/scenarios/quickstart.yaml").as_data()
     data["transcription"]["knots_per_phase"] = 2
     data["tasks"] = {
-        "speed": {"start": 0.1, "stop": 2.1, "count": 3},
-        "cycle_duration": {"start": 0.4, "stop": 1.2, "count": 2},
+        "axes": {
+            "speed": {"start": 0.1, "stop": 2.1, "count": 3},
+            "cycle_duration": {"start": 0.4, "stop": 1.2, "count": 2},
+        },
         "held_out": 3,
     }
     data["strategy"]["tasks_per_unit"] = 2
@@ -52,14 +54,12 @@ def make_solutions() -> Callable[[Unit], list[Solution]]:
 
 def solutions_of(unit: Unit) -> list[Solution]:
     generator = np.random.default_rng(int(unit.digest[:8], 16))
-    sizes = Sizes.of(unit.scenario)
+    layout = Layout.of(unit.scenario.as_data())
     rows = []
     for task in unit.tasks:
         for i, pattern in enumerate(PATTERNS):
             row = Solution(
-                speed=task.speed,
-                cycle_duration=task.cycle_duration,
-                split=task.split,
+                task=task,
                 pattern=pattern,
                 gait=PATTERNS[0],
                 strategy="patterns",
@@ -73,7 +73,7 @@ def solutions_of(unit: Unit) -> list[Solution]:
                 solves=1,
                 wall_s=0.1,
                 cpu_s=float(generator.uniform()),
-                trajectory=random_trajectory(generator, sizes),
+                trajectory=random_trajectory(generator, layout),
                 multipliers=Multipliers(generator.normal(size=9), generator.normal(size=7)),
             )
             if i == 2:
@@ -84,13 +84,8 @@ def solutions_of(unit: Unit) -> list[Solution]:
     return rows
 
 
-def random_trajectory(generator: np.random.Generator, sizes: Sizes) -> Trajectory:
-    k, legs, d = sizes.steps, sizes.legs, sizes.dimension
-    return Trajectory(
-        times=np.linspace(0, 1, k + 1),
-        base=generator.normal(size=(k + 1, sizes.base_states)),
-        feet=generator.normal(size=(k + 1, legs, d)),
-        forces=generator.normal(size=(k, legs, d)),
-        foot_velocities=generator.normal(size=(k, legs, d)),
-        durations=generator.uniform(size=sizes.phases),
-    )
+def random_trajectory(generator: np.random.Generator, layout: Layout) -> Trajectory:
+    """Arrays of a layout's shapes that are no motion."""
+    w = generator.normal(size=layout.nw)
+    w[layout.fractions] = generator.uniform(size=layout.phases)
+    return layout.unpack(w, 1.0)

@@ -41,11 +41,12 @@ def solve() -> Solve:
     """One solve of a scenario's pattern and task from the nominal start; a solver is built once a scenario."""
     solvers: dict[str, FixedGaitSolver] = {}
 
-    def solve(scenario: Scenario, pattern: str, speed: float, cycle_duration: float) -> Attempt:
+    def solve(scenario: Scenario, pattern: str, speed: float, cycle_duration: float, **other: float) -> Attempt:
         if scenario.problem_digest not in solvers:
             solvers[scenario.problem_digest] = FixedGaitSolver(transcribe(scenario), 20.0)
         solver = solvers[scenario.problem_digest]
-        start = Start("nominal", starts.nominal(scenario.robot, solver.problem.layout, speed, cycle_duration))
-        return solver.solve(Pattern.from_text(pattern), speed, cycle_duration, start)
+        task = scenario.tasks.space.task({"speed": speed, "cycle_duration": cycle_duration, **other})
+        start = Start("nominal", starts.nominal(scenario.robot, solver.problem.layout, task))
+        return solver.solve(Pattern.from_text(pattern), task, start)
 
     return solve
