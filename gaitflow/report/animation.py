@@ -17,7 +17,9 @@ from jinja2 import Environment, StrictUndefined
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.check import FEASIBLE, violations
+from gaitflow.core.task_space import TaskSpace
 from gaitflow.core.trajectory import Array
+from gaitflow.report import axis_text
 from gaitflow.report.motion import BODY_COLOUR, FORCE_COLOUR, GROUND_COLOUR, SWING_COLOUR
 from gaitflow.report.palette import lighter
 from gaitflow.report.scene import Scene, scene_of
@@ -34,9 +36,7 @@ def animation_page(solution: Solution, scenario: Scenario, gait: str, colour: st
     """
     scene = scene_of(solution, scenario)
     assert solution.trajectory is not None
-    found = violations(
-        scenario.as_data(), solution.trajectory, solution.speed, solution.cycle_duration, solution.pattern
-    )
+    found = violations(scenario.as_data(), solution.trajectory, solution.task, solution.pattern)
     script, style = _part("animation_view.js") + _part("animation.js"), _part("animation.css")
     template = Environment(autoescape=True, undefined=StrictUndefined).from_string(_part("animation.html.jinja"))
     return template.render(
@@ -44,7 +44,7 @@ def animation_page(solution: Solution, scenario: Scenario, gait: str, colour: st
         robot=scenario.robot.name,
         gait=gait,
         scenario=scenario.name,
-        facts=_facts(solution, max(found.values())),
+        facts=_facts(solution, scenario.tasks.space, max(found.values())),
         violations=[(kind, f"{value:.1e}", value <= FEASIBLE) for kind, value in found.items()],
         planar=scene.planar,
         data=animation_data(scene, solution, scenario, colour),
@@ -60,12 +60,17 @@ def animation_data(scene: Scene, solution: Solution, scenario: Scenario, colour:
         "planar": scene.planar,
         "slope": scene.slope,
         "height": scene.height,
-        "advance": solution.speed * solution.cycle_duration,
+        "curved": scene.curved,
         "times": _rounded(scene.times),
+        "path": _rounded(scene.path),
+        "headings": _rounded(scene.headings),
         "position": _rounded(scene.position),
+        "velocity": _rounded(scene.velocity),
         "angles": _rounded(scene.angles),
+        "angleRates": _rounded(scene.angle_rates),
         "feet": _rounded(scene.feet),
         "forces": _rounded(scene.forces / scene.weight),
+        "endForces": _rounded(scene.end_forces / scene.weight),
         "durations": _rounded(scene.durations),
         "rows": list(scene.rows),
         "legs": list(scenario.robot.leg_names),
@@ -84,11 +89,10 @@ def animation_data(scene: Scene, solution: Solution, scenario: Scenario, colour:
     }
 
 
-def _facts(solution: Solution, worst: float) -> list[tuple[str, str]]:
+def _facts(solution: Solution, space: TaskSpace, worst: float) -> list[tuple[str, str]]:
     verdict = "feasible" if worst <= FEASIBLE else "NOT feasible"
     return [
-        ("speed", f"{solution.speed:.4g} m/s"),
-        ("cycle", f"{solution.cycle_duration:.4g} s"),
+        *((axis_text.words(axis), axis_text.quantity(axis, solution.task[axis])) for axis in space.columns),
         ("pattern", solution.pattern),
         ("cost", number(solution.cost)),
         ("worst violation", f"{worst:.1e}, {verdict}"),

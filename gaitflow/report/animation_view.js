@@ -27,6 +27,11 @@ function rotation([yaw, pitch, roll]) { // base to world, Rz(yaw) Ry(pitch) Rx(r
   ];
 }
 
+function turned([x, y, z], angle) { // about the vertical
+  const c = Math.cos(angle), s = Math.sin(angle);
+  return [c * x - s * y, s * x + c * y, z];
+}
+
 function uphill([x, y, z]) { // terrain frame to a level one
   const c = Math.cos(motion.slope), s = Math.sin(motion.slope);
   return [c * x - s * z, y, s * x + c * z];
@@ -52,16 +57,27 @@ function phaseAt(t) {
 function poseAt(t) {
   const step = stepAt(t), phase = phaseAt(t);
   const part = (t - motion.times[step]) / Math.max(motion.times[step + 1] - motion.times[step], 1e-12);
-  const between = (values) => add(scaled(values[step], 1 - part), scaled(values[step + 1], part));
-  const angles = between(motion.angles), position = between(motion.position), turn = rotation(angles);
-  const toWorld = (v) => add(position, times(turn, v));
-  const velocity = (motion.position[step + 1][0] - motion.position[step][0]) /
-    Math.max(motion.times[step + 1] - motion.times[step], 1e-12);
+  const h = Math.max(motion.times[step + 1] - motion.times[step], 1e-12);
+  const line = (first, last) => add(scaled(first, 1 - part), scaled(last, part));
+  const between = (values) => line(values[step], values[step + 1]);
+  const mean = (values) => scaled(subtract(values[step + 1], values[step]), 1 / h);
+  const path = (values, rates) => { // the cubic through both ends and their rates, or the straight line
+    if (!motion.curved) return between(values);
+    const first = scaled(subtract(rates[step], mean(values)), 1 - part);
+    const last = scaled(subtract(rates[step + 1], mean(values)), part);
+    return add(between(values), scaled(subtract(first, last), h * part * (1 - part)));
+  };
+  const angles = path(motion.angles, motion.angleRates), position = path(motion.position, motion.velocity);
+  const turn = rotation(angles), toWorld = (v) => add(position, times(turn, v));
+  const heading = (1 - part) * motion.headings[step] + part * motion.headings[step + 1];
+  const velocity = motion.curved ? between(motion.velocity) : mean(motion.position);
   return {
-    angles, position, toWorld, velocity,
+    angles, position, toWorld, heading,
+    velocity: turned(velocity, -heading)[0],
+    middle: [position[0], between(motion.path)[1], 0.55 * motion.height],
     hips: motion.hips.map(toWorld),
     feet: motion.feet[step].map((foot, leg) => add(scaled(foot, 1 - part), scaled(motion.feet[step + 1][leg], part))),
-    forces: motion.forces[step],
+    forces: motion.forces[step].map((force, leg) => line(force, motion.endForces[step][leg])),
     standing: motion.rows.map((row) => row[phase] === "1"),
   };
 }
@@ -81,9 +97,8 @@ function drawView(pose) {
   const [context, width, height] = prepared(view, view.clientHeight);
   const reach = Math.max(...motion.body.map((corner) => Math.hypot(corner[0], corner[1]))) + 0.5 * motion.height;
   const scale = Math.min(width / (2.6 * reach), height / (2.1 * motion.height + 0.9 * reach * Math.sin(elevation)));
-  const centre = [pose.position[0], 0, 0.55 * motion.height];
   const page = (point) => {
-    const [x, y, z] = toView(uphill(subtract(point, centre)));
+    const [x, y, z] = toView(uphill(turned(subtract(point, pose.middle), -pose.heading)));
     return [width / 2 + scale * x, height / 2 - scale * y, z];
   };
   const line = (from, to, colour, thickness, dash = []) => {
@@ -119,21 +134,33 @@ function drawView(pose) {
   }
 }
 
+// The motion of the first cycle is drawn for ever; the floor goes back by a whole cycle's twist each time instead.
+function floorFrame() {
+  const [dx, dy] = motion.path[knots - 1], turn = motion.headings[knots - 1];
+  let origin = [0, 0, 0];
+  for (let i = 0; i < (turn ? cycles : 0); i++) origin = add(origin, turned([dx, dy, 0], i * turn));
+  if (!turn) origin = [cycles * dx, cycles * dy, 0];
+  return {
+    toFloor: (point) => add(origin, turned(point, cycles * turn)),
+    fromFloor: (point) => turned(subtract(point, origin), -cycles * turn),
+  };
+}
+
 function drawGround(pose, line, reach) {
-  const cell = 0.25 * motion.height, far = Math.ceil((2.2 * reach) / cell), travelled = cycles * motion.advance;
-  // The base of the first cycle is drawn for ever: the floor moves below it by whole cycles instead.
-  const middle = Math.round((pose.position[0] + travelled) / cell) * cell - travelled;
+  const cell = 0.25 * motion.height, far = Math.ceil((2.2 * reach) / cell), { toFloor, fromFloor } = floorFrame();
+  const [mx, my] = toFloor([pose.middle[0], pose.middle[1], 0]).map((x) => Math.round(x / cell) * cell);
+  const drawn = (from, to, ...style) => line(fromFloor(from), fromFloor(to), ...style);
   if (motion.planar) {
-    line([middle - 4 * far * cell, 0, 0], [middle + 4 * far * cell, 0, 0], colours.ground, 1.5);
+    drawn([mx - 4 * far * cell, 0, 0], [mx + 4 * far * cell, 0, 0], colours.ground, 1.5);
     for (let i = -4 * far; i <= 4 * far; i++) {
-      const x = middle + i * cell;
-      line([x, 0, 0], [x - 0.4 * cell, 0, -0.4 * cell], colours.swing, 1);
+      const x = mx + i * cell;
+      drawn([x, 0, 0], [x - 0.4 * cell, 0, -0.4 * cell], colours.swing, 1);
     }
     return;
   }
   for (let i = -far; i <= far; i++) {
-    line([middle + i * cell, -far * cell, 0], [middle + i * cell, far * cell, 0], "#e6e6e3", 1);
-    line([middle - far * cell, i * cell, 0], [middle + far * cell, i * cell, 0], "#e6e6e3", 1);
+    drawn([mx + i * cell, my - far * cell, 0], [mx + i * cell, my + far * cell, 0], "#e6e6e3", 1);
+    drawn([mx - far * cell, my + i * cell, 0], [mx + far * cell, my + i * cell, 0], "#e6e6e3", 1);
   }
 }
 

@@ -12,8 +12,9 @@ from scipy.spatial import ConvexHull, QhullError
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.trajectory import Array
+from gaitflow.report import axis_text
 from gaitflow.report.gait_diagrams import draw_contacts
-from gaitflow.report.scene import Pose, Scene, camera, scene_of
+from gaitflow.report.scene import Pose, Scene, camera, rotation_of, scene_of
 from gaitflow.search.solution import Solution
 
 SNAPSHOTS = 6
@@ -33,16 +34,19 @@ def draw_motion(solution: Solution, scenario: Scenario, gait: str, colour: str) 
     weight. Raises ValueError when the solution has no trajectory.
     """
     scene = scene_of(solution, scenario)
-    view = camera(0.0, 0.0) if scene.planar else camera(*VIEW)
-    view = view @ _slope(scene.slope)
+    view = (camera(0.0, 0.0) if scene.planar else camera(*VIEW)) @ _slope(scene.slope)
     body = scene.body @ view.T
     spacing = 1.45 * max(float(np.ptp(body[:, 0])), 2 * scene.height)
     lean = 0.5 * scene.height * np.sin(scene.slope)  # up a slope the body stands behind the ground below it
-    shares = (np.arange(SNAPSHOTS) + 0.5) / SNAPSHOTS
+    times = (np.arange(SNAPSHOTS) + 0.5) / SNAPSHOTS * scene.times[-1]
+    turns = np.interp(times, scene.times, scene.headings)  # the camera turns with the command
     shots = [
-        _shot(scene, scene.at(share * scene.times[-1]), view, spacing * (place + 0.5) + lean, 0.46 * spacing)
-        for place, share in enumerate(shares)
-    ]
+        _shot(
+            scene, scene.at(time), view @ rotation_of(np.array([-turn, 0.0, 0.0])), spacing * (place + 0.5) + lean,
+            0.46 * spacing,
+        )
+        for place, (time, turn) in enumerate(zip(times, turns, strict=True))
+    ]  # fmt: skip
     low, high = (limit(float(limit(shot.points[:, 1])) for shot in shots) for limit in (min, max))
     low, high = low - 0.08 * scene.height, high + 0.12 * scene.height
     bars_height, strip_height = 0.17 * len(scene.rows), (high - low) / (SNAPSHOTS * spacing) * WIDTH
@@ -55,11 +59,11 @@ def draw_motion(solution: Solution, scenario: Scenario, gait: str, colour: str) 
     strip.set_aspect("equal", anchor="S")
     strip.set_axis_off()
     strip.set_title(gait, fontsize=11, loc="left")
-    task = f"v = {solution.speed:.3g} m/s, T = {solution.cycle_duration:.3g} s"
+    task = axis_text.values(solution.task, scenario.tasks.space.columns)
     strip.set_title(task, fontsize=9, loc="right", color="#555555")
     draw_contacts(bars, solution.pattern, scene.durations, scenario.robot.leg_names, colour)
-    for share in shares:
-        bars.plot(share * scene.times[-1], -0.5, marker="v", markersize=4, color=BODY_COLOUR, clip_on=False)
+    for time in times:
+        bars.plot(time, -0.5, marker="v", markersize=4, color=BODY_COLOUR, clip_on=False)
     bars.set_xlabel("time [s]", fontsize=9)
     return figure
 

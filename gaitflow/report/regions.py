@@ -19,7 +19,8 @@ class GaitGrid:
     """Best gaits on a rectangular task grid.
 
     speeds [n] m/s rising; durations [m] s rising; gaits [n, m] names, "" where the task is infeasible or was not
-    part of the grid; ties [n, m] sets of the names that cost the same within the tie tolerance.
+    part of the grid; ties [n, m] sets of the names that cost the same within the tie tolerance. Of a map with further
+    axes it holds one slice.
     """
 
     speeds: NDArray[np.float64]
@@ -29,11 +30,13 @@ class GaitGrid:
 
     @classmethod
     def from_labels(cls, labels: pd.DataFrame) -> GaitGrid:
-        """The grid tasks of a labels frame. Raises ValueError when the frame has none."""
+        """The grid tasks of a labels frame. Raises ValueError without one, and for several slices."""
         grid = labels[labels["split"] == "grid"]
         if grid.empty:
             raise ValueError("the labels have no task of the split 'grid'; solve the scenario's task grid first")
         rounded = grid.assign(speed=grid["speed"].round(9), cycle_duration=grid["cycle_duration"].round(9))
+        if rounded.duplicated(["speed", "cycle_duration"]).any():
+            raise ValueError("the labels have several tasks at one speed and cycle duration; pass one slice of the map")
         speeds = np.sort(rounded["speed"].unique()).astype(float)
         durations = np.sort(rounded["cycle_duration"].unique()).astype(float)
         gaits = np.full((len(speeds), len(durations)), INFEASIBLE, dtype=object)

@@ -13,14 +13,20 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from gaitflow.config.scenario import Scenario
+from gaitflow.core.task import AXES
 from gaitflow.files import atomic_write
+from gaitflow.report import axis_text
 from gaitflow.report.gait_diagrams import draw_gait_diagrams
-from gaitflow.report.gait_map import Select, draw_gait_map
+from gaitflow.report.gait_map import draw_gait_map
+from gaitflow.report.map_panel import Select
 from gaitflow.report.motion import draw_motion
 from gaitflow.report.page import Picture, Section, render_page
 from gaitflow.report.palette import gait_colours
+from gaitflow.report.slices import slices_of
 from gaitflow.report.state_space import draw_state_space
 from gaitflow.report.tables import (
+    Table,
+    between_knots_table,
     check_table,
     effort_table,
     gait_table,
@@ -29,6 +35,7 @@ from gaitflow.report.tables import (
     percent,
     provenance_table,
     tie_table,
+    unresolved_table,
     unsolved_table,
 )
 from gaitflow.report.winners import by_size, central, winners
@@ -50,18 +57,20 @@ def write_report(
 ) -> list[Path]:
     """Write map.png, gaits.png, state_space.png, a motion-<gait>.png a gait and index.html; return their paths.
 
-    `labels` is the labels frame (`gaitflow.dataset.labels`), `select` the classifier's decision as an index into
-    `gaits`, `learning` the data of `Training.as_data()`, `record` the dataset's provenance. `select` and `learning`
-    are None when no classifier was trained. Raises ValueError when `labels` is empty, WriteError when the disk refuses.
+    `labels` is the labels frame (`gaitflow.dataset.labels`), `select` the map's decision as an index into `gaits`, from
+    the values of each axis with a range, `learning` the data of `Training.as_data()`, `record` the dataset's
+    provenance. `select` and `learning` are None when no classifier was trained. Raises ValueError when `labels` is
+    empty, WriteError when the disk refuses.
     """
-    regions = winners(labels, solutions)
+    space = scenario.tasks.space
+    regions = winners(labels, solutions, space)
     shown = {name: regions[name] for name in by_size(labels)[:MAX_GAITS] if regions[name]}
     colours = gait_colours([*gaits, *regions])
-    figures = {"map": draw_gait_map(labels, gaits, select, scenario.description or scenario.name)}
+    figures = {"map": draw_gait_map(labels, gaits, select, scenario.description or scenario.name, space)}
     motions = {}
     if shown:
         figures["gaits"] = draw_gait_diagrams(shown, scenario.robot.leg_names, colours)
-        figures["state_space"] = draw_state_space(shown)
+        figures["state_space"] = draw_state_space(shown, space)
         motions = {
             f"motion-{_slug(name, place)}": draw_motion(central(region), scenario, name, colours[name])
             for place, (name, region) in enumerate(shown.items())
@@ -101,6 +110,8 @@ def _highlights(labels: pd.DataFrame, learning: Mapping[str, Any] | None) -> lis
         ("tasks without a gait", str(len(labels) - len(solved))),
         ("tasks with ties", str(int((labels["ties"].map(len) > 1).sum()))),
     ]
+    if "resolved" in labels.columns:
+        pairs += [("labels not resolved", str(int((~solved["resolved"].astype(bool)).sum())))]
     if learning is not None:
         quality = next(one for one in learning["competitors"] if one["method"] == learning["method"])
         judged = quality["held_out"] if quality["held_out"]["tasks"] else quality["cross_validation"]
@@ -121,8 +132,10 @@ def _sections(
     def pictures(*names: str, caption: str = "") -> tuple[Picture, ...]:
         return tuple(Picture(images[name], name, caption) for name in names if name in images)
 
-    ties, missing = tie_table(labels), unsolved_table(labels)
+    space, data = scenario.tasks.space, scenario.as_data()
+    ties, missing, unresolved = (table(labels, space) for table in (tie_table, unsolved_table, unresolved_table))
     labelled = [solution for region in regions.values() for solution in region]
+    chosen = "Regions: the map's choice. Markers: the gait that costs least."
     tolerance = percent(scenario.learning.tie_tolerance)
     none = f"No task has gaits within {tolerance} of each other."
     judged = ("No classifier was trained.",)
@@ -133,7 +146,7 @@ def _sections(
         Section("The scenario", _in_words(scenario)),
         Section(
             "Gait map",
-            pictures=pictures("map", caption="Regions: the classifier's choice. Markers: the gait that costs least."),
+            pictures=pictures("map", caption=f"{chosen} {slices_of(labels, space).remark}".strip()),
         ),
         Section(
             "Gaits",
@@ -154,6 +167,11 @@ def _sections(
         Section("Classifiers", judged, table=None if learning is None else learning_table(learning)),
         Section("Ties", (f"Gaits within {tolerance} of the least cost tie." if ties.rows else none,), table=ties),
         Section(
+            "Labels that the mesh leaves open",
+            (_on_resolution(labels, unresolved),),
+            table=unresolved,
+        ),
+        Section(
             "Tasks without a gait",
             () if missing.rows else ("A gait was found for every task.",),
             table=missing,
@@ -165,25 +183,64 @@ def _sections(
                 "an integrator and constraints that share no code with the solver's problem; values are scaled: forces "
                 "by the robot's weight, lengths by a metre, times by the cycle.",
             ),
-            table=check_table(scenario.as_data(), labelled),
+            table=check_table(data, labelled),
+        ),
+        Section(
+            "Between the knots",
+            (
+                "The same motions on a grid ten times finer: how far the stored states are from the continuous motion "
+                "under the same forces [m or rad], and the constraints that no knot sees (friction over the robot's "
+                "weight, the others in m).",
+            ),
+            table=between_knots_table(data, labelled),
         ),
         Section("Solves", table=effort_table(solutions)),
         Section("Provenance", table=provenance_table(record)),
     ]
 
 
+def _on_resolution(labels: pd.DataFrame, unresolved: Table) -> str:
+    if "resolved" not in labels.columns:
+        return "The costs were not compared with those on a finer mesh."
+    if unresolved.rows:
+        return "The margin is smaller than the error of the costs, by a finer mesh, and the gaits do not tie."
+    return "Every margin is larger than the errors of the costs behind it, by a finer mesh, or the gaits tie."
+
+
 def _in_words(scenario: Scenario) -> tuple[str, ...]:
-    robot, terrain, settings, tasks = scenario.robot, scenario.terrain, scenario.transcription, scenario.tasks
+    robot, settings, tasks = scenario.robot, scenario.transcription, scenario.tasks
     weights = {name.replace("_", " "): weight for name, weight in scenario.objective.as_data().items() if weight}
     stances = "any number of stances" if scenario.stances_per_leg is None else "one stance"
+    ranges = [
+        f"{values.count} values of {axis_text.words(axis)} from {values.start:g} to "
+        f"{axis_text.quantity(axis, values.stop)}"
+        for axis, values in tasks.ranges.items()
+    ]
+    # The ground is always told, of the other axes only what is not as usual.
+    fixed = [
+        f"{axis_text.words(axis)} {axis_text.quantity(axis, value)}"
+        for axis, value in _fixed(scenario).items()
+        if axis in ("slope", "friction") or value != AXES[axis].default
+    ]
     return (
         f"Robot {robot.name}: {number(robot.mass)} kg, {len(robot.legs)} legs ({', '.join(robot.leg_names)}), "
-        f"{robot.dimension}D. Terrain: slope {terrain.slope_deg:g}°, friction {terrain.friction:g}.",
+        f"{robot.dimension}D.",
         "Objective, weight by term: " + ", ".join(f"{name} {weight:g}" for name, weight in weights.items()) + ".",
-        f"{settings.phases} phases of {settings.knots_per_phase} knots, integrated by {settings.integrator}, "
-        f"each at least {percent(settings.min_phase_fraction)} of the cycle; {stances} a leg and cycle.",
-        f"Tasks: {tasks.speed.count} speeds from {tasks.speed.start:g} to {tasks.speed.stop:g} m/s by "
-        f"{tasks.cycle_duration.count} cycle durations from {tasks.cycle_duration.start:g} to "
-        f"{tasks.cycle_duration.stop:g} s, and {tasks.held_out} held-out tasks between. "
-        f"Search: {scenario.strategy.name}.",
+        f"{settings.phases} phases of {settings.knots_per_phase} knots, integrated by "
+        f"{settings.integrator.replace('_', '-')} with {settings.forces} forces, "
+        f"each phase at least {percent(settings.min_phase_fraction)} of the cycle; {stances} a leg and cycle.",
+        f"Tasks: {' by '.join(ranges)}, and {tasks.held_out} held-out tasks between. "
+        + (f"The same for all: {', '.join(fixed)}. " if fixed else "")
+        + f"Search: {scenario.strategy.name}.",
     )
+
+
+def _fixed(scenario: Scenario) -> dict[str, float]:
+    """The values of the axes without a range."""
+    space = scenario.tasks.space
+    given = dict(space.fixed)
+    return {
+        name: given.get(name, axis.default or 0.0)
+        for name, axis in AXES.items()
+        if name not in space.ranged and not (axis.spatial and scenario.robot.dimension == 2)
+    }

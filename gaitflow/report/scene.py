@@ -7,11 +7,14 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from gaitflow.config.scenario import Scenario
+from gaitflow.core.layout import GRAVITY
+from gaitflow.core.rigid_body import Attitude
+from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
+from gaitflow.core.twist import displacements, headings
 from gaitflow.report.winners import trajectory_of
 from gaitflow.search.solution import Solution
 
-GRAVITY = 9.81  # m/s^2, only for the length of arrows
 BODY_HEIGHT = 0.2  # thickness of the drawn body, as a share of its height above the ground
 
 
@@ -29,20 +32,34 @@ class Pose:
 
 @dataclass(frozen=True)
 class Scene:
-    """The whole motion in space. Controls k act from knot k to k+1; states between knots are interpolated."""
+    """The whole motion in space, at its knots and between them.
+
+    Feet move and forces change linearly within a step. `curved`: position and angles follow the cubics through their
+    values and rates at both knots, which for linear forces is the centre of mass' true path; otherwise, for forward
+    Euler, they follow the straight lines that it took.
+    """
 
     times: Array  # [K+1] s, from 0
     position: Array  # [K+1, 3] m
+    velocity: Array  # [K+1, 3] m/s
     angles: Array  # [K+1, 3] rad: yaw, pitch, roll; R_base->world = Rz(yaw) Ry(pitch) Rx(roll)
+    angle_rates: Array  # [K+1, 3] rad/s
     feet: Array  # [K+1, legs, 3] m
-    forces: Array  # [K, legs, 3] N
+    forces: Array  # [K, legs, 3] N at the start of each step
+    end_forces: Array  # [K, legs, 3] N at its end
     durations: Array  # [phases] s
     rows: tuple[str, ...]  # [legs] the pattern's rows
     default_feet: Array  # [legs, 3] m, base frame
     box: Array  # [3] m, half lengths of the kinematic box
     weight: float  # N
-    slope: float  # rad
+    task: Task
     planar: bool
+    curved: bool
+
+    @property
+    def slope(self) -> float:
+        """Inclination of the ground [rad]."""
+        return float(np.deg2rad(self.task["slope"]))
 
     @property
     def hips(self) -> Array:
@@ -63,22 +80,41 @@ class Scene:
         corners = [[(low, high)[i >> axis & 1][axis] for axis in range(3)] for i in range(8)]
         return np.array(corners)
 
+    @property
+    def path(self) -> Array:
+        """Where the commanded twist has brought its frame at each knot: x, y [K+1, 2] m."""
+        return displacements(self.task, self.times)
+
+    @property
+    def headings(self) -> Array:
+        """Where that frame faces at each knot [K+1] rad."""
+        return headings(self.task, self.times)
+
     def at(self, time: float) -> Pose:
         """The pose `time` seconds into the cycle."""
         step = int(np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, len(self.times) - 2))
-        part = (time - self.times[step]) / max(self.times[step + 1] - self.times[step], 1e-12)
+        h = max(float(self.times[step + 1] - self.times[step]), 1e-12)
+        part = (time - self.times[step]) / h
 
-        def between(values: Array) -> Array:
-            return np.asarray((1 - part) * values[step] + part * values[step + 1])
+        def line(first: Array, last: Array) -> Array:
+            return np.asarray((1 - part) * first + part * last)
 
-        position, rotation = between(self.position), rotation_of(between(self.angles))
+        def path(values: Array, rates: Array) -> Array:
+            straight = line(values[step], values[step + 1])
+            if not self.curved:
+                return straight
+            mean = (values[step + 1] - values[step]) / h
+            bend = (1 - part) * (rates[step] - mean) - part * (rates[step + 1] - mean)
+            return np.asarray(straight + h * part * (1 - part) * bend)
+
+        position, rotation = path(self.position, self.velocity), rotation_of(path(self.angles, self.angle_rates))
         phase = int(np.searchsorted(np.cumsum(self.durations)[:-1], time, side="right"))
         return Pose(
             position=position,
             rotation=rotation,
             hips=position + self.hips @ rotation.T,
-            feet=between(self.feet),
-            forces=self.forces[step],
+            feet=line(self.feet[step], self.feet[step + 1]),
+            forces=line(self.forces[step], self.end_forces[step]),
             standing=tuple(row[phase] == "1" for row in self.rows),
         )
 
@@ -89,26 +125,31 @@ def scene_of(solution: Solution, scenario: Scenario) -> Scene:
     broken = [one.name for one in fields(trajectory) if not np.isfinite(getattr(trajectory, one.name)).all()]
     if broken:
         raise ValueError(
-            f"the motion at {solution.speed:g} m/s, {solution.cycle_duration:g} s has numbers that are not finite in "
+            f"the motion at {solution.task.text()} has numbers that are not finite in "
             f"{', '.join(broken)}; run `gaitflow verify` on its dataset"
         )
-    planar = robot.dimension == 2
-    base = trajectory.base
-    # Nose up is positive in the plane; about the lateral axis in space it is negative.
-    angles = base[:, 2:3] * [0.0, -1.0, 0.0] if planar else base[:, 3:6]
+    planar, d = robot.dimension == 2, robot.dimension
+    position, angles, velocity, omega = np.split(trajectory.base, np.cumsum([d, len(robot.inertia), d]), axis=1)
+    rates = Attitude(angles).rates(omega)
+    if planar:  # nose up is positive in the plane; about the lateral axis in space it is negative
+        angles, rates = (values * [0.0, -1.0, 0.0] for values in (angles, rates))
     return Scene(
         times=trajectory.times - trajectory.times[0],
-        position=_in_space(base[:, : robot.dimension]),
+        position=_in_space(position),
+        velocity=_in_space(velocity),
         angles=angles,
+        angle_rates=rates,
         feet=_in_space(trajectory.feet),
         forces=_in_space(trajectory.forces),
+        end_forces=_in_space(trajectory.end_forces),
         durations=trajectory.durations,
         rows=tuple(solution.pattern.split("/")),
         default_feet=_in_space(np.array([leg.default_foot for leg in robot.legs])),
         box=_in_space(np.array(robot.box)),
         weight=robot.mass * GRAVITY,
-        slope=float(np.deg2rad(scenario.terrain.slope_deg)),
+        task=solution.task,
         planar=planar,
+        curved=scenario.transcription.integrator != "euler",
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,7 @@ import pandas as pd
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.task import Task
-from gaitflow.dataset.labels import TASK, gait_costs
+from gaitflow.dataset.labels import gait_costs
 from gaitflow.dataset.read import Solutions
 from gaitflow.search.solution import Solution
 
@@ -34,31 +34,33 @@ def scenario_of(solutions: Solutions) -> Scenario:
     return Scenario.from_data(solutions.record["scenario"], "the dataset's scenario")
 
 
-def nearest_task(solutions: Solutions, speed: float, cycle_duration: float) -> Task:
-    """The solved task nearest to (speed [m/s], cycle_duration [s]), each scaled to the range that the dataset spans.
+def nearest_task(solutions: Solutions, values: Mapping[str, float]) -> Task:
+    """The solved task nearest to these values, each axis scaled to the range that the dataset spans on it.
 
-    Raises ValueError when the numbers are not finite or nothing in the dataset is solved.
+    Raises ValueError for values that are no task of the dataset's axes (see `TaskSpace.task`), and when nothing in the
+    dataset is solved.
     """
-    if not (math.isfinite(speed) and math.isfinite(cycle_duration)):
-        raise ValueError(f"speed {speed:g} m/s, cycle {cycle_duration:g} s: both must be finite")
+    space = scenario_of(solutions).tasks.space
+    asked = space.task(values)
     frame = solutions.frame()
-    tasks = frame.loc[frame["status"] == "solved", TASK].drop_duplicates()
+    tasks = frame.loc[frame["status"] == "solved", [*space.columns, "split"]].drop_duplicates()
     if tasks.empty:
         raise ValueError("no task of the dataset is solved, so there is no motion to show")
-    values = tasks[["speed", "cycle_duration"]].to_numpy(dtype=float)
-    spread = np.ptp(values, axis=0)
+    places = tasks[list(space.columns)].to_numpy(dtype=float)
+    spread = np.ptp(places, axis=0)
     spread[spread == 0] = 1.0  # an axis with one value tells no task from another
-    nearest = tasks.iloc[int(np.argmin(np.linalg.norm((values - [speed, cycle_duration]) / spread, axis=1)))]
-    return Task(float(nearest["speed"]), float(nearest["cycle_duration"]), nearest["split"])
+    away = np.linalg.norm((places - asked.on(space.columns)) / spread, axis=1)
+    nearest = tasks.iloc[int(np.argmin(away))]
+    return space.task({axis: float(nearest[axis]) for axis in space.columns}, nearest["split"])
 
 
 def ranked_gaits(solutions: Solutions, task: Task) -> tuple[Ranked, ...]:
     """The feasible gaits of a task, the cheapest first."""
-    frame = solutions.frame()
-    here = np.logical_and.reduce([frame[name] == getattr(task, name) for name in TASK])
-    of_task = frame[here]
+    scenario, frame = scenario_of(solutions), solutions.frame()
+    here = [frame[axis] == task[axis] for axis in scenario.tasks.space.columns]
+    of_task = frame[np.logical_and.reduce([*here, frame["split"] == task.split])]
     motions = ~np.asarray(solutions.table["base"].combine_chunks().is_null())
-    costs = gait_costs(of_task, scenario_of(solutions).robot.leg_names)
+    costs = gait_costs(of_task, scenario.robot.leg_names)
     found = []
     for rank, best in enumerate(costs.to_dict("records"), start=1):
         row = _row(of_task, best["pattern"], best["cost"])

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, get_args
 
 import pandas as pd
 
-from gaitflow.core.check import FEASIBLE, violations
+from gaitflow.core.check import FEASIBLE, between_knots, violations
 from gaitflow.core.gaits import Pattern, diagram
+from gaitflow.core.task_space import TaskSpace
+from gaitflow.report import axis_text
 from gaitflow.report.palette import ordered_gaits
 from gaitflow.report.winners import trajectory_of
 from gaitflow.search.solution import Solution, Status
 
-GAP = "gap_between_knots"  # optional column of the labels: how far a step is from the continuous motion
 QUALITIES = (
     ("accuracy", "accuracy"),
     ("macro_f1", "macro F1"),
@@ -24,6 +25,10 @@ QUALITIES = (
     ("regret_mean", "mean regret"),
     ("infeasible_rate", "infeasible picks"),
 )
+
+
+GAIT_COLUMNS = ("gait", "pattern", "grid tasks", "held-out tasks", "cost", "mean margin", "ties")
+JUDGED_COLUMNS = ("worst cost error", "labels not resolved")
 
 
 @dataclass(frozen=True)
@@ -50,13 +55,13 @@ def percent(value: float | None) -> str:
 
 
 def gait_table(labels: pd.DataFrame, leg_names: Sequence[str]) -> Table:
-    """A row a gait: its diagram, tasks won, range of costs, mean margin to the runner-up; gaps when given.
+    """A row a gait: its diagram, tasks won, range of costs, mean margin to the runner-up, and how sure the labels are.
 
-    The mean is over tasks that have a runner-up, held-out tasks included.
+    The mean is over tasks that have a runner-up, held-out tasks included. The worst error of a cost, and how many
+    labels it leaves open, are told where the labels have them.
     """
     solved = labels[labels["status"] == "solved"]
-    with_gap = GAP in labels.columns
-    columns = ["gait", "pattern", "grid tasks", "held-out tasks", "cost", "mean margin", "ties"]
+    judged = {"cost_error", "resolved"} <= set(labels.columns)
     rows = []
     for name in ordered_gaits(solved["gait"]):
         won = solved[solved["gait"] == name]
@@ -70,32 +75,56 @@ def gait_table(labels: pd.DataFrame, leg_names: Sequence[str]) -> Table:
             percent(float(margins.mean())),
             str(int((won["ties"].map(len) > 1).sum())),
         ]
-        rows.append((*row, number(float(won[GAP].max()))) if with_gap else tuple(row))
-    return Table((*columns, "worst gap between knots [m or rad]") if with_gap else tuple(columns), tuple(rows))
+        if judged:
+            row += [percent(float(won["cost_error"].max())), str(int((~won["resolved"].astype(bool)).sum()))]
+        rows.append(tuple(row))
+    return Table((*GAIT_COLUMNS, *(JUDGED_COLUMNS if judged else ())), tuple(rows))
 
 
 def _range(low: float, high: float) -> str:
     return number(low) if number(low) == number(high) else f"{number(low)} to {number(high)}"
 
 
-def tie_table(labels: pd.DataFrame) -> Table:
+def tie_table(labels: pd.DataFrame, space: TaskSpace) -> Table:
     """A row a task at which gaits tie, cheapest gait first, with the label that is learnt."""
-    tied = labels[labels["ties"].map(len) > 1].sort_values(["split", "speed", "cycle_duration"])
+    tied = _sorted(labels[labels["ties"].map(len) > 1], space)
     rows = [
-        (*_task(row), ", ".join(row["ties"]), percent(row["margin"]), row["label"]) for row in tied.to_dict("records")
+        (*_task(row, space), ", ".join(row["ties"]), percent(row["margin"]), row["label"])
+        for row in tied.to_dict("records")
     ]
-    return Table(("v [m/s]", "T [s]", "split", "gaits that tie", "margin", "learnt as"), tuple(rows))
+    return Table((*_headings(space), "split", "gaits that tie", "margin", "learnt as"), tuple(rows))
 
 
-def unsolved_table(labels: pd.DataFrame) -> Table:
+def unsolved_table(labels: pd.DataFrame, space: TaskSpace) -> Table:
     """A row a task at which no gait was found, with its status: infeasible, or failed (see `mark_failed`)."""
-    missing = labels[labels["status"] != "solved"].sort_values(["split", "speed", "cycle_duration"])
-    rows = [(*_task(row), str(row["status"])) for row in missing.to_dict("records")]
-    return Table(("v [m/s]", "T [s]", "split", "status"), tuple(rows))
+    missing = _sorted(labels[labels["status"] != "solved"], space)
+    rows = [(*_task(row, space), str(row["status"])) for row in missing.to_dict("records")]
+    return Table((*_headings(space), "split", "status"), tuple(rows))
 
 
-def _task(row: Mapping[Any, Any]) -> tuple[str, str, str]:
-    return f"{row['speed']:.4g}", f"{row['cycle_duration']:.4g}", str(row["split"]).replace("_", "-")
+def unresolved_table(labels: pd.DataFrame, space: TaskSpace) -> Table:
+    """A row a task whose label the mesh does not decide, with the margin and the error of the costs behind it.
+
+    Without a row where the labels do not tell.
+    """
+    open_ = labels[~labels["resolved"].astype(bool)] if "resolved" in labels.columns else labels.iloc[:0]
+    rows = [
+        (*_task(row, space), row["gait"], row["runner_up"], percent(row["margin"]), percent(row["cost_error"]))
+        for row in _sorted(open_[open_["status"] == "solved"], space).to_dict("records")
+    ]
+    return Table((*_headings(space), "split", "gait", "runner-up", "margin", "cost error"), tuple(rows))
+
+
+def _headings(space: TaskSpace) -> tuple[str, ...]:
+    return tuple(map(axis_text.heading, space.columns))
+
+
+def _sorted(labels: pd.DataFrame, space: TaskSpace) -> pd.DataFrame:
+    return labels.sort_values(["split", *space.columns])
+
+
+def _task(row: Mapping[Any, Any], space: TaskSpace) -> tuple[str, ...]:
+    return *(f"{row[axis]:.4g}" for axis in space.columns), str(row["split"]).replace("_", "-")
 
 
 def check_table(scenario: Mapping[str, Any], motions: Iterable[Solution]) -> Table:
@@ -103,20 +132,43 @@ def check_table(scenario: Mapping[str, Any], motions: Iterable[Solution]) -> Tab
 
     `scenario` is `Scenario.as_data()`; values are scaled. The row of the worst kind is marked.
     """
-    worst: dict[str, tuple[float, Solution]] = {}
-    for motion in motions:
-        found = violations(scenario, trajectory_of(motion), motion.speed, motion.cycle_duration, motion.pattern)
-        for kind, value in found.items():
-            if kind not in worst or value > worst[kind][0]:
-                worst[kind] = value, motion
+    worst = _worst(motions, lambda motion: violations(scenario, trajectory_of(motion), motion.task, motion.pattern))
+    axes = TaskSpace.of(scenario).columns
     rows = [
-        (kind, f"{value:.1e}", "yes" if value <= FEASIBLE else "NO")
-        + ((f"{at.speed:.4g}", f"{at.cycle_duration:.4g}") if value > 0 else ("–", "–"))
+        (kind, f"{value:.1e}", "yes" if value <= FEASIBLE else "NO", *_place(at if value > 0 else None, axes))
         for kind, (value, at) in worst.items()
     ]
     values = [value for value, _ in worst.values()]
     marked = values.index(max(values)) if values else None
-    return Table(("constraint", "worst value", f"within {FEASIBLE:g}", "v [m/s]", "T [s]"), tuple(rows), marked)
+    headings = map(axis_text.heading, axes)
+    return Table(("constraint", "worst value", f"within {FEASIBLE:g}", *headings), tuple(rows), marked)
+
+
+def between_knots_table(scenario: Mapping[str, Any], motions: Iterable[Solution]) -> Table:
+    """Every motion checked between its knots, on a grid ten times finer: a row a kind, its worst value and its place.
+
+    In m and rad (dynamics), m (box, penetration) and shares of the weight (friction).
+    """
+    worst = _worst(motions, lambda motion: between_knots(scenario, trajectory_of(motion), motion.task, motion.pattern))
+    axes = TaskSpace.of(scenario).columns
+    rows = [(kind, f"{value:.1e}", *_place(at if value > 0 else None, axes)) for kind, (value, at) in worst.items()]
+    return Table(("constraint", "worst value", *map(axis_text.heading, axes)), tuple(rows))
+
+
+def _worst(
+    motions: Iterable[Solution], judge: Callable[[Solution], Mapping[str, float]]
+) -> dict[str, tuple[float, Solution]]:
+    """By kind of constraint the worst value, and the motion that has it."""
+    worst: dict[str, tuple[float, Solution]] = {}
+    for motion in motions:
+        for kind, value in judge(motion).items():
+            if kind not in worst or value > worst[kind][0]:
+                worst[kind] = value, motion
+    return worst
+
+
+def _place(motion: Solution | None, axes: Sequence[str]) -> tuple[str, ...]:
+    return tuple("–" if motion is None else f"{motion.task[axis]:.4g}" for axis in axes)
 
 
 def effort_table(solutions: Iterable[Solution]) -> Table:

@@ -3,32 +3,37 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from gaitflow.core.task_space import TaskSpace
 from gaitflow.core.trajectory import Array, Trajectory
 from gaitflow.report.palette import ordered_gaits
 from gaitflow.search.solution import Solution
 
+Key = tuple[object, ...]
 
-def winners(labels: pd.DataFrame, solutions: Iterable[Solution]) -> dict[str, list[Solution]]:
-    """Of each gait, in legend order, the best solutions of the tasks it wins, by rising speed and cycle duration.
+
+def winners(labels: pd.DataFrame, solutions: Iterable[Solution], space: TaskSpace) -> dict[str, list[Solution]]:
+    """Of each gait, in legend order, the best solutions of the tasks it wins, by the rising axes of `space.columns`.
 
     A solution belongs to a label when task, split and pattern agree; of several the cheapest. Solutions without a
     trajectory are left out, so a gait whose trajectories were not stored has an empty list.
     """
-    best: dict[tuple[object, ...], Solution] = {}
+    axes = space.columns
+    best: dict[Key, Solution] = {}
     for solution in solutions:
-        key = _key(solution.speed, solution.cycle_duration, solution.split, solution.pattern)
+        key = _key({axis: solution.task[axis] for axis in axes}, axes, solution.task.split, solution.pattern)
         usable = solution.status == "solved" and solution.trajectory is not None
         if usable and (key not in best or solution.cost < best[key].cost):
             best[key] = solution
-    solved = labels[labels["status"] == "solved"].sort_values(["speed", "cycle_duration"], kind="stable")
+    solved = labels[labels["status"] == "solved"].sort_values(list(axes), kind="stable")
     regions: dict[str, list[Solution]] = {name: [] for name in ordered_gaits(solved["gait"])}
     for row in solved.to_dict("records"):
-        solution_of_task = best.get(_key(row["speed"], row["cycle_duration"], row["split"], row["pattern"]))
+        solution_of_task = best.get(_key(row, axes, row["split"], row["pattern"]))
         if solution_of_task is not None:
             regions[row["gait"]].append(solution_of_task)
     return regions
@@ -40,8 +45,8 @@ def by_size(labels: pd.DataFrame, gaits: Iterable[str] = ()) -> tuple[str, ...]:
     return tuple(sorted(ordered_gaits([*won, *gaits]), key=lambda name: -won[name]))
 
 
-def _key(speed: float, cycle_duration: float, split: object, pattern: object) -> tuple[object, ...]:
-    return round(speed, 9), round(cycle_duration, 9), split, pattern
+def _key(values: Mapping[Any, Any], axes: Sequence[str], split: object, pattern: object) -> Key:
+    return (*(round(values[axis], 9) for axis in axes), split, pattern)
 
 
 def counted(tasks: int) -> str:
@@ -53,8 +58,7 @@ def trajectory_of(solution: Solution) -> Trajectory:
     """The solution's trajectory. Raises ValueError when none was stored."""
     if solution.trajectory is None:
         raise ValueError(
-            f"the solution at {solution.speed:g} m/s, {solution.cycle_duration:g} s has no trajectory to draw; "
-            "pass solutions whose status is 'solved'"
+            f"the solution at {solution.task.text()} has no trajectory to draw; pass solutions whose status is 'solved'"
         )
     return solution.trajectory
 
@@ -72,7 +76,7 @@ def mean_phase_fractions(region: Sequence[Solution]) -> Array:
 
 
 def central(region: Sequence[Solution]) -> Solution:
-    """The solution whose task lies nearest the middle of the region, speed and duration scaled to its spread."""
-    tasks = np.array([(solution.speed, solution.cycle_duration) for solution in region])
+    """The solution whose task lies nearest the middle of the region, each axis scaled to its spread."""
+    tasks = np.array([solution.task.parameters for solution in region])
     spread = np.maximum(np.ptp(tasks, axis=0), 1e-9)
     return region[int(np.argmin(np.linalg.norm((tasks - tasks.mean(axis=0)) / spread, axis=1)))]

@@ -6,6 +6,7 @@ not solved: the report must show whatever it is given.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -13,8 +14,9 @@ import pandas as pd
 import pytest
 
 from gaitflow.config.robot import load_robot
-from gaitflow.config.scenario import Scenario, load_scenario
+from gaitflow.config.scenario import Scenario, Tasks, load_scenario
 from gaitflow.core.gaits import Pattern, gait_of
+from gaitflow.core.task_space import TaskSpace
 from gaitflow.core.trajectory import Trajectory
 from gaitflow.dataset import Solutions, load_solutions
 from gaitflow.problem import transcribe
@@ -116,15 +118,14 @@ def make_trajectory(scenario: Scenario, speed: float, duration: float, pattern: 
     base[:, 1] += 0.5 - base[:, 1].mean()
     base[:, 2] = 0.05 * (1 + speed) * np.sin(2 * np.pi * times / duration)
     base[:, 5] = np.gradient(base[:, 2], times)
-    return Trajectory(times, base, feet, forces, np.gradient(feet, times, axis=0)[:-1], durations)
+    return Trajectory(times, base, feet, forces, forces, np.gradient(feet, times, axis=0)[:-1], durations)
 
 
 def make_solution(scenario: Scenario, row: dict) -> Solution:
     speed, duration, pattern = row["speed"], row["cycle_duration"], row["pattern"]
+    values = {axis: row[axis] for axis in scenario.tasks.space.ranged}
     return Solution(
-        speed=speed,
-        cycle_duration=duration,
-        split=row["split"],
+        task=scenario.tasks.space.task(values, row["split"]),
         pattern=pattern,
         gait=row["gait_key"],
         strategy="patterns",
@@ -154,6 +155,34 @@ def scenario() -> Scenario:
 
 
 @pytest.fixture(scope="session")
+def space(scenario: Scenario) -> TaskSpace:
+    return scenario.tasks.space
+
+
+def over(scenario: Scenario, **axes: object) -> Scenario:
+    """The same with other axes."""
+    return scenario.model_copy(update={"tasks": Tasks.from_data({"axes": axes}, "tasks")})
+
+
+@pytest.fixture(scope="session")
+def sloped(scenario: Scenario) -> Scenario:
+    """The same over 12 slopes, too."""
+    axes = scenario.tasks.as_data()["axes"]
+    return over(scenario, **{**axes, "slope": {"start": -22.0, "stop": 22.0, "count": 12}})
+
+
+@pytest.fixture(scope="session")
+def sloped_labels(map_of) -> pd.DataFrame:
+    """The steeper the slower: on every slope the rule at another speed; and one held-out task between."""
+    frames = [
+        map_of(lambda v, t, at=at: paper_gait(v * (1 + abs(at) / 44), t)).assign(slope=at)
+        for at in np.linspace(-22.0, 22.0, 12)
+    ]
+    frames.append(pd.DataFrame([label_row(1.0, 0.9, "gallop", "held_out") | {"slope": 1.7}]))
+    return pd.concat(frames, ignore_index=True)
+
+
+@pytest.fixture(scope="session")
 def anymal(checkout: Path) -> Scenario:
     """ANYmal in space, J3, 4 phases of 10 knots."""
     return load_scenario(checkout / "tests/data/scenarios/anymal-flat-vibration.yaml")
@@ -165,15 +194,14 @@ def solved(anymal: Scenario):
     solver = FixedGaitSolver(transcribe(anymal), 20.0)
 
     def solve(speed: float, duration: float, pattern: str) -> Solution:
-        start = Start("nominal", guess.nominal(anymal.robot, solver.problem.layout, speed, duration))
-        attempt = solver.solve(Pattern.from_text(pattern), speed, duration, start)
+        task = anymal.tasks.space.task({"speed": speed, "cycle_duration": duration})
+        start = Start("nominal", guess.nominal(anymal.robot, solver.problem.layout, task))
+        attempt = solver.solve(Pattern.from_text(pattern), task, start)
         assert attempt.feasible, attempt.solver_status
         return Solution(
-            speed=speed,
-            cycle_duration=duration,
-            split="grid",
+            task=task,
             pattern=pattern,
-            gait=gait_of(Pattern.from_text(pattern), anymal.robot.mirror_permutation).text,
+            gait=gait_of(Pattern.from_text(pattern), anymal.symmetry(task)).text,
             strategy="patterns",
             start="nominal",
             seed=0,
@@ -234,8 +262,9 @@ def gaits() -> list[str]:
 def select(gaits: list[str]):
     """The rule as a classifier would answer it."""
 
-    def answer(speeds: np.ndarray, durations: np.ndarray) -> np.ndarray:
-        return np.array([gaits.index(paper_gait(v - 0.1, t + 0.1)) for v, t in zip(speeds, durations, strict=True)])
+    def answer(values: Mapping[str, np.ndarray]) -> np.ndarray:
+        tasks = zip(values["speed"], values["cycle_duration"], strict=True)
+        return np.array([gaits.index(paper_gait(v - 0.1, t + 0.1)) for v, t in tasks])
 
     return answer
 

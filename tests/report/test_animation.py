@@ -75,6 +75,9 @@ def test_the_data_are_the_stored_motion(page, trot, anymal) -> None:
     np.testing.assert_allclose(data["angles"], trajectory.base[:, 3:6], atol=1e-5)
     np.testing.assert_allclose(data["feet"], trajectory.feet, atol=1e-5)
     np.testing.assert_allclose(np.array(data["forces"]) * weight, trajectory.forces, atol=1e-5 * weight)
+    np.testing.assert_allclose(np.array(data["endForces"]) * weight, trajectory.end_forces, atol=1e-5 * weight)
+    np.testing.assert_allclose(data["path"][-1], [0.3 * 0.8, 0.0], atol=1e-5)
+    assert not data["curved"]
     np.testing.assert_allclose(np.cumsum(data["durations"])[-1], 0.8, atol=1e-4)
     assert data["rows"] == trot.pattern.split("/") and data["legs"] == ["LF", "RF", "LH", "RH"]
     assert not data["planar"]

@@ -29,7 +29,7 @@ def test_phases_have_their_mean_durations_not_equal_widths(solution_of) -> None:
     region = [solution_of(1.5, 0.8, "gallop"), solution_of(1.1, 1.2, "gallop")]
     figure = draw_gait_diagrams({"gallop": region}, ["F", "H"], NAMED_COLOURS)
     (axes,) = figure.axes
-    mean = np.mean([solution.trajectory.durations / solution.cycle_duration for solution in region], axis=0)
+    mean = np.mean([solution.trajectory.durations / solution.task.cycle_duration for solution in region], axis=0)
     starts = sorted(start for leg, start, _ in stances(axes, NAMED_COLOURS["gallop"]) if leg == 0)
     np.testing.assert_allclose(starts, 100 * np.cumsum(mean)[:2])
     assert abs(mean - 0.25).max() > 0.02

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 
-from gaitflow.config.scenario import Terrain
 from gaitflow.report.motion import BODY_COLOUR, FLOOR_COLOUR, GROUND_COLOUR, SNAPSHOTS, SWING_COLOUR, draw_motion
 
 COLOUR = "#D55E00"
@@ -52,11 +51,27 @@ def test_standing_legs_and_their_forces_are_those_of_the_pattern(solution_of, sc
     assert max(leg[:, 1].min() for leg in lines_of(strip, COLOUR)) == pytest.approx(0, abs=1e-12)
 
 
-def test_the_ground_rises_with_the_slope(solution_of, scenario) -> None:
-    steep = scenario.model_copy(update={"terrain": Terrain(slope_deg=20.0)})
-    strip, _ = draw_motion(solution_of(1.5, 0.8, "gallop"), steep, "gallop", COLOUR).axes
+def test_the_ground_rises_with_the_tasks_slope(solution_of, scenario) -> None:
+    solution = solution_of(1.5, 0.8, "gallop")
+    steep = replace(solution, task=solution.task.replaced(slope=20.0))
+    strip, _ = draw_motion(steep, scenario, "gallop", COLOUR).axes
     for start, end in lines_of(strip, GROUND_COLOUR):
         assert np.rad2deg(np.arctan2(*(end - start)[::-1])) == pytest.approx(20)
+
+
+def test_the_camera_turns_with_the_command(trot, anymal) -> None:
+    """A robot that turns on the spot looks the same in every snapshot, were it not for its sway."""
+    turning = replace(trot, task=trot.task.replaced(speed=0.0, yaw_rate=1.0))
+    turned = trot.trajectory.base.copy()
+    turned[:, :2] = 0.0
+    turned[:, 3:6] = np.outer(trot.trajectory.times, [1.0, 0.0, 0.0])
+    still = replace(turning, trajectory=replace(trot.trajectory, base=turned))
+    bodies = bodies_of(draw_motion(still, anymal, "turn", COLOUR).axes[0])
+    widths = [np.ptp(body[:, 0]) for body in bodies]
+    np.testing.assert_allclose(widths, widths[0], rtol=1e-9)
+    unseen = replace(still, task=still.task.replaced(yaw_rate=0.0))
+    widths = [np.ptp(body[:, 0]) for body in bodies_of(draw_motion(unseen, anymal, "turn", COLOUR).axes[0])]
+    assert np.ptp(widths) > 0.01
 
 
 def test_a_quadruped_in_space_is_drawn_with_all_its_legs_forces_and_ground(trot, anymal) -> None:
@@ -74,5 +89,5 @@ def test_a_quadruped_in_space_is_drawn_with_all_its_legs_forces_and_ground(trot,
 
 
 def test_a_solution_without_trajectory_is_refused(solution_of, scenario) -> None:
-    with pytest.raises(ValueError, match=r"1\.5 m/s, 0\.8 s has no trajectory"):
+    with pytest.raises(ValueError, match=r"speed 1\.5 m/s, cycle_duration 0\.8 s has no trajectory"):
         draw_motion(replace(solution_of(1.5, 0.8, "gallop"), trajectory=None), scenario, "gallop", COLOUR)

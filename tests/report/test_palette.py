@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from matplotlib.colors import to_rgb
 
-from gaitflow.core.gaits import Pattern, all_patterns, gait_of
+from gaitflow.core.gaits import Pattern, Symmetry, all_patterns, gait_of
 from gaitflow.core.names import gait_kind, gait_name
 from gaitflow.report.palette import (
     KIND_COLOURS,
@@ -14,7 +14,7 @@ from gaitflow.report.palette import (
     ordered_gaits,
 )
 
-LEGS, MIRROR = ("LF", "RF", "LH", "RH"), (1, 0, 3, 2)
+LEGS, MIRROR = ("LF", "RF", "LH", "RH"), Symmetry(mirror=(1, 0, 3, 2))
 
 FIG5 = ("0111/1101", "0110/1100", "0001/0100", "0110/0100", "011/110", "010/110", "010/100")
 
@@ -47,7 +47,7 @@ def test_lighter_moves_towards_white() -> None:
 
 
 def test_every_kind_of_a_quadrupeds_single_stance_gaits_has_a_colour() -> None:
-    gaits = {gait_of(pattern, MIRROR) for pattern in all_patterns(4, 4, stances_per_leg=1, mirror=MIRROR)}
+    gaits = {gait_of(pattern, MIRROR) for pattern in all_patterns(4, 4, stances_per_leg=1, symmetry=MIRROR)}
     assert {gait_kind(gait, LEGS) for gait in gaits} <= KIND_COLOURS.keys() | NAMED_COLOURS.keys()
     assert len({colour.lower() for colour in KIND_COLOURS.values()}) == len(KIND_COLOURS)
 

@@ -67,6 +67,11 @@ def test_infeasible_and_held_out_tasks_are_in_no_window(labels: pd.DataFrame) ->
     assert grid.window().sum() == 83
 
 
+def test_labels_of_several_slices_are_refused(sloped_labels) -> None:
+    with pytest.raises(ValueError, match="several tasks at one speed and cycle duration; pass one slice"):
+        GaitGrid.from_labels(sloped_labels)
+
+
 def test_labels_without_grid_tasks_are_refused(labels: pd.DataFrame) -> None:
     with pytest.raises(ValueError, match="no task of the split 'grid'"):
         GaitGrid.from_labels(labels[labels["split"] == "held_out"])

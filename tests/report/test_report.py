@@ -41,7 +41,16 @@ def test_the_page_holds_the_pictures_that_were_written(written) -> None:
 
 def test_the_page_states_scenario_ties_unsolved_tasks_winner_and_origin(written, record, learning) -> None:
     html = (written[0] / PAGE).read_text(encoding="utf-8")
-    for text in ("force 1.", "slope 0°", "12 speeds", "one stance", record["units_digest"], learning["rule"], "3e-09"):
+    for text in (
+        "force 1.",
+        "slope 0°",
+        "friction 0.8",
+        "12 values of speed from 0.1 to 2.3 m/s",
+        "one stance",
+        record["units_digest"],
+        learning["rule"],
+        "3e-09",
+    ):
         assert text in html
     assert re.search(r'<tr class="marked"><td>svm</td>', html)
     assert re.search(r"<h2>Tasks without a gait</h2>.*<td>1.6</td><td>grid</td><td>infeasible</td>", html, re.S)
@@ -61,7 +70,7 @@ def test_a_map_in_space(tmp_path, anymal, labels, trot, solved, record) -> None:
     named = [("walking trot", trot), ("four-beat walk 0111/1011/1110/1101", walk)]
     rows = [
         labels.iloc[0].to_dict()
-        | {"speed": one.speed, "cycle_duration": 0.8, "gait": name, "gait_key": one.gait, "pattern": one.pattern}
+        | {"speed": one.task.speed, "cycle_duration": 0.8, "gait": name, "gait_key": one.gait, "pattern": one.pattern}
         | {"cost": one.cost, "ties": [name], "label": name}
         for name, one in named
     ]
@@ -84,8 +93,25 @@ def test_a_gait_named_by_its_diagram_stays_in_the_folder(tmp_path, scenario, lab
     assert all(path.parent == folder and path.is_file() for path in paths)
 
 
-def test_equal_figures_have_equal_bytes(labels, gaits) -> None:
+def test_a_map_over_slopes_says_which_slices_it_draws(
+    tmp_path, sloped, sloped_labels, gaits, solution_of, record
+) -> None:
+    write_report(tmp_path, sloped, sloped_labels, [], gaits, None, None, record)
+    html = (tmp_path / PAGE).read_text(encoding="utf-8")
+    assert "9 of 12 slices of the map are drawn" in html and "12 values of slope from -22 to 22°" in html
+
+
+def test_labels_that_the_mesh_leaves_open_are_listed(tmp_path, scenario, labels, record) -> None:
+    told = labels.assign(cost_error=1e-3, resolved=labels["speed"] > 0.2)
+    write_report(tmp_path, scenario, told, [], [], None, None, record)
+    html = (tmp_path / PAGE).read_text(encoding="utf-8")
+    assert re.search(r"<h2>Labels that the mesh leaves open</h2>.*smaller than the error.*<td>0.1 %</td>", html, re.S)
+    write_report(tmp_path, scenario, told.assign(resolved=True), [], [], None, None, record)
+    assert "Every margin is larger than the errors" in (tmp_path / PAGE).read_text(encoding="utf-8")
+
+
+def test_equal_figures_have_equal_bytes(labels, gaits, space) -> None:
     from gaitflow.report.gait_map import draw_gait_map
 
-    one, two = (png_of(draw_gait_map(labels, gaits, None, "a map")) for _ in range(2))
+    one, two = (png_of(draw_gait_map(labels, gaits, None, "a map", space)) for _ in range(2))
     assert one == two

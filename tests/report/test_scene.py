@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gaitflow.config.scenario import Transcription
 from gaitflow.report.scene import camera, rotation_of, scene_of
 
 
@@ -30,6 +31,36 @@ def test_poses_at_knots_are_the_stored_ones(trot, anymal) -> None:
         np.testing.assert_array_equal(pose.forces, trajectory.forces[step])
     middle = scene.at(float(trajectory.times[7:9].mean()))
     np.testing.assert_allclose(middle.position, trajectory.base[7:9, :3].mean(axis=0), atol=1e-12)
+
+
+def test_between_knots_an_exact_motion_is_where_its_forces_bring_it(solution_of, scenario) -> None:
+    """r(t) = r_0 + v_0 t + a_0 t^2 / 2 + (a_1 - a_0) t^3 / 6 h on ground of 10 degrees; forward Euler goes straight."""
+    rng = np.random.default_rng(1)
+    solution = solution_of(1.5, 0.8, "gallop")
+    task, stored = solution.task.replaced(slope=10.0), solution.trajectory
+    h = np.diff(stored.times)[:, None]
+    first, last = rng.normal(0, 50, (2, *stored.forces.shape))
+    gravity = -9.81 * np.array([np.sin(np.deg2rad(10)), np.cos(np.deg2rad(10))])
+    a0, a1 = (forces.sum(axis=1) / scenario.robot.mass + gravity for forces in (first, last))
+    base = np.zeros_like(stored.base)
+    base[1:, 3:5] = np.cumsum(h * (a0 + a1) / 2, axis=0)
+    base[1:, :2] = np.cumsum(h * base[:-1, 3:5] + h**2 * (2 * a0 + a1) / 6, axis=0)
+    base[:, 2], base[:, 5] = np.sin(3 * stored.times), 3 * np.cos(3 * stored.times)
+    moved = replace(solution, task=task, trajectory=replace(stored, base=base, forces=first, end_forces=last))
+    exact = scenario.model_copy(update={"transcription": Transcription(integrator="momentum", forces="linear")})
+    scene, straight = scene_of(moved, exact), scene_of(moved, scenario)
+    assert scene.slope == pytest.approx(np.deg2rad(10))
+    for step in (0, 17, 38):
+        t = 0.3 * h[step]
+        expected = base[step, :2] + base[step, 3:5] * t + a0[step] * t**2 / 2
+        expected = expected + (a1[step] - a0[step]) * t**3 / (6 * h[step])
+        time = float(stored.times[step] + t[0])
+        pose = scene.at(time)
+        np.testing.assert_allclose(pose.position[[0, 2]], expected, atol=1e-12)
+        np.testing.assert_allclose(pose.forces[:, [0, 2]], 0.7 * first[step] + 0.3 * last[step], atol=1e-9)
+        assert np.arctan2(pose.rotation[2, 0], pose.rotation[0, 0]) == pytest.approx(np.sin(3 * time), abs=1e-6)
+        line = 0.7 * base[step, :2] + 0.3 * base[step + 1, :2]
+        np.testing.assert_allclose(straight.at(time).position[[0, 2]], line, atol=1e-12)
 
 
 def test_feet_stay_in_their_boxes_below_the_hips(trot, anymal) -> None:
@@ -82,5 +113,7 @@ def test_numbers_that_are_not_finite_are_refused(trot, anymal) -> None:
     forces = trot.trajectory.forces.copy()
     forces[3, 1, 2] = np.nan
     broken = replace(trot, trajectory=replace(trot.trajectory, forces=forces))
-    with pytest.raises(ValueError, match=r"0\.3 m/s, 0\.8 s has numbers that are not finite in forces"):
+    with pytest.raises(
+        ValueError, match=r"speed 0\.3 m/s, cycle_duration 0\.8 s has numbers that are not finite in forces"
+    ):
         scene_of(broken, anymal)

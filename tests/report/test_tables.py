@@ -6,8 +6,9 @@ from typing import get_args
 
 import numpy as np
 
-from gaitflow.core.check import violations
+from gaitflow.core.check import between_knots, violations
 from gaitflow.report.tables import (
+    between_knots_table,
     check_table,
     effort_table,
     gait_table,
@@ -16,6 +17,7 @@ from gaitflow.report.tables import (
     percent,
     provenance_table,
     tie_table,
+    unresolved_table,
     unsolved_table,
 )
 from gaitflow.search.solution import Status
@@ -51,19 +53,27 @@ def test_an_infinite_margin_is_no_part_of_the_mean(labels) -> None:
     assert as_dict(gait_table(one, ("F", "H")))["bounding"]["mean margin"] == "–"
 
 
-def test_gaps_between_knots_are_shown_when_given(labels) -> None:
-    assert "worst gap between knots [m or rad]" not in gait_table(labels, ("F", "H")).columns
-    gap = np.where(labels["gait"] == "gallop", 0.02, 0.001)
-    rows = as_dict(gait_table(labels.assign(gap_between_knots=gap), ("F", "H")))
-    assert rows["gallop"]["worst gap between knots [m or rad]"] == "0.02"
-    assert rows["walking"]["worst gap between knots [m or rad]"] == "0.001"
+def test_how_sure_labels_are_is_shown_when_known(labels, space) -> None:
+    assert "worst cost error" not in gait_table(labels, ("F", "H")).columns
+    assert unresolved_table(labels, space).rows == ()
+    gallop = labels["gait"] == "gallop"
+    known = labels.assign(cost_error=np.where(gallop, 0.02, 0.001), resolved=~gallop | (labels["speed"] > 1.5))
+    rows = as_dict(gait_table(known, ("F", "H")))
+    assert (rows["gallop"]["worst cost error"], rows["walking"]["worst cost error"]) == ("2 %", "0.1 %")
+    assert rows["walking"]["labels not resolved"] == "0"
+    open_ = int((gallop & (labels["speed"] <= 1.5)).sum())
+    assert rows["gallop"]["labels not resolved"] == str(open_) != "0"
+    table = unresolved_table(known, space)
+    assert len(table.rows) == open_
+    first = as_dict(table)["0.9"]
+    assert (first["gait"], first["runner-up"], first["cost error"]) == ("gallop", "walking", "2 %")
 
 
-def test_ties_and_tasks_without_a_gait_are_listed_one_by_one(labels) -> None:
-    ties = tie_table(labels)
+def test_ties_and_tasks_without_a_gait_are_listed_one_by_one(labels, space) -> None:
+    ties = tie_table(labels, space)
     assert len(ties.rows) == (labels["ties"].map(len) > 1).sum()
     assert ties.rows[0] == ("0.1", "0.4", "grid", "walking, gallop-walk", "0.04 %", "walking")
-    assert unsolved_table(labels).rows == (("0.1", "1.6", "grid", "infeasible"),)
+    assert unsolved_table(labels, space).rows == (("0.1", "1.6", "grid", "infeasible"),)
 
 
 def test_effort_counts_every_end_and_the_worst_violation(solutions) -> None:
@@ -79,11 +89,11 @@ def test_every_motion_is_checked_again_by_kind(anymal, trot, solved) -> None:
     other = solved(0.2, 0.8, trot.pattern)
     table = check_table(anymal.as_data(), [trot, other])
     rows = as_dict(table)
-    kinds = violations(anymal.as_data(), trot.trajectory, 0.3, 0.8, trot.pattern)
+    kinds = violations(anymal.as_data(), trot.trajectory, trot.task, trot.pattern)
     assert list(rows) == list(kinds) and len(kinds) >= 15
     assert {row["within 1e-06"] for row in rows.values()} == {"yes"}
     worst = max(
-        violations(anymal.as_data(), one.trajectory, one.speed, 0.8, one.pattern)["dynamics"] for one in (trot, other)
+        violations(anymal.as_data(), one.trajectory, one.task, one.pattern)["dynamics"] for one in (trot, other)
     )
     assert rows["dynamics"]["worst value"] == f"{worst:.1e}"
 
@@ -104,6 +114,20 @@ def test_a_violation_is_found_flagged_and_placed(anymal, trot, solved) -> None:
     nowhere = [row for row in rows.values() if row["worst value"] == "0.0e+00"]
     assert nowhere and {(row["v [m/s]"], row["T [s]"]) for row in nowhere} == {("–", "–")}
     assert check_table(anymal.as_data(), []).rows == ()
+
+
+def test_motions_are_judged_between_their_knots_as_well(anymal, trot) -> None:
+    found = between_knots(anymal.as_data(), trot.trajectory, trot.task, trot.pattern)
+    rows = as_dict(between_knots_table(anymal.as_data(), [trot]))
+    assert list(rows) == list(found)
+    assert rows["dynamics"]["worst value"] == f"{found['dynamics']:.1e}"
+    assert (rows["dynamics"]["v [m/s]"], rows["dynamics"]["T [s]"]) == ("0.3", "0.8")
+
+
+def test_tasks_of_a_map_with_further_axes_are_told_in_full(sloped_labels, sloped) -> None:
+    table = tie_table(sloped_labels, sloped.tasks.space)
+    assert table.columns[:4] == ("v [m/s]", "T [s]", "slope [°]", "split")
+    assert table.rows[0][:4] == ("0.1", "0.4", "-22", "grid")
 
 
 def test_the_published_method_is_marked_and_missing_numbers_are_dashes(learning) -> None:

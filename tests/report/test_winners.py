@@ -9,12 +9,12 @@ import pytest
 from gaitflow.report.winners import by_size, central, mean_phase_fractions, most_common_pattern, trajectory_of, winners
 
 
-def test_every_solved_task_finds_its_solution_in_legend_order(labels, solutions) -> None:
-    regions = winners(labels, reversed(solutions))
+def test_every_solved_task_finds_its_solution_in_legend_order(labels, solutions, space) -> None:
+    regions = winners(labels, reversed(solutions), space)
     assert list(regions) == ["walking", "gallop-walk", "pronking", "gallop", "gallop-bound", "bounding"]
     counts = labels[labels["status"] == "solved"]["gait"].value_counts()
     assert {name: len(region) for name, region in regions.items()} == counts.to_dict()
-    assert all(a.speed <= b.speed for r in regions.values() for a, b in pairwise(r))
+    assert all(a.task.speed <= b.task.speed for r in regions.values() for a, b in pairwise(r))
 
 
 def test_gaits_by_size_count_the_tasks_they_win(labels) -> None:
@@ -25,17 +25,17 @@ def test_gaits_by_size_count_the_tasks_they_win(labels) -> None:
     assert by_size(labels[labels["status"] != "solved"]) == ()
 
 
-def test_of_two_solves_of_one_pattern_the_cheaper_is_taken(labels, solutions) -> None:
+def test_of_two_solves_of_one_pattern_the_cheaper_is_taken(labels, solutions, space) -> None:
     cheaper = replace(solutions[0], cost=solutions[0].cost / 2)
     dearer = replace(solutions[0], cost=solutions[0].cost * 2)
-    found = winners(labels, [dearer, cheaper, *solutions])["walking"]
+    found = winners(labels, [dearer, cheaper, *solutions], space)["walking"]
     assert found[0] is cheaper
     assert dearer not in found
 
 
-def test_a_gait_without_stored_trajectories_has_an_empty_region(labels, solutions) -> None:
+def test_a_gait_without_stored_trajectories_has_an_empty_region(labels, solutions, space) -> None:
     bare = [replace(s, trajectory=None) if s.gait == "0001/0100" else s for s in solutions]
-    assert winners(labels, bare)["bounding"] == []
+    assert winners(labels, bare, space)["bounding"] == []
     with pytest.raises(ValueError, match="has no trajectory to draw"):
         trajectory_of(bare[-1])
 
@@ -53,5 +53,5 @@ def test_only_the_most_common_pattern_is_averaged(solution_of) -> None:
 def test_the_central_solution_lies_in_the_middle_of_its_region(solution_of) -> None:
     region = [solution_of(v, t, "gallop") for v in (0.9, 1.5, 2.1) for t in (0.4, 1.0, 1.6)]
     middle = central(region)
-    assert (middle.speed, middle.cycle_duration) == (1.5, 1.0)
+    assert (middle.task.speed, middle.task.cycle_duration) == (1.5, 1.0)
     assert central(region[:1]) is region[0]
