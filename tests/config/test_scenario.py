@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -66,31 +68,68 @@ def test_the_scenarios_of_the_paper() -> None:
         assert (steps.phases, steps.knots_per_phase, steps.integrator) == (4, 10, "euler")
         assert steps.min_phase_fraction == 0.1
         assert scenario.stances_per_leg == 1
-        assert scenario.tasks.speed.values == (0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.3, 1.5, 1.7, 1.9, 2.1, 2.3)
-        assert scenario.tasks.cycle_duration.values == (0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6)
+        assert tuple(scenario.tasks.ranges) == ("speed", "cycle_duration")
+        assert scenario.tasks.ranges["speed"].values == (0.1, 0.3, 0.5, 0.7, 0.9, 1.1, 1.3, 1.5, 1.7, 1.9, 2.1, 2.3)
+        assert scenario.tasks.ranges["cycle_duration"].values == (0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6)
         assert scenario.robot == effort.robot
     vibration = {"tangential_velocity": 1e6, "normal_velocity": 1e6, "tilt": 1e6, "tilt_rate": 1e6}
     assert {k: v for k, v in effort.objective.as_data().items() if v} == {"force": 1.0}
     assert {k: v for k, v in flat.objective.as_data().items() if v} == vibration
     assert slope.objective == flat.objective
-    assert (flat.terrain.slope_deg, slope.terrain.slope_deg) == (0.0, 20.0)
+    assert [scenario.tasks.axes.get("slope") for scenario in (effort, flat, slope)] == [None, None, 20.0]
+
+
+@pytest.mark.parametrize(("paper", "exact"), [
+    ("half-cheetah-flat-effort", "half-cheetah-exact-effort"),
+    ("half-cheetah-flat-vibration", "half-cheetah-exact-vibration"),
+    ("half-cheetah-slope20-vibration", "half-cheetah-exact-slope20-vibration"),
+    ("anymal-flat-vibration", "anymal-exact-vibration"),
+    ("go1-flat-vibration", "go1-exact-vibration"),
+])  # fmt: skip
+def test_an_exact_scenario_differs_from_the_papers_by_its_step_only(paper: str, exact: str) -> None:
+    before, after = (load_scenario(CONFIGS / "scenarios" / f"{name}.yaml").as_data() for name in (paper, exact))
+    step = {"integrator": "momentum", "forces": "linear", "grading": 0.7}
+    assert after["transcription"] == before["transcription"] | step
+    for data in (before, after):
+        for key in ("name", "description", "transcription"):
+            del data[key]
+    assert before == after
 
 
 @pytest.mark.parametrize(
     ("field", "value", "said"),
     [
-        ("colour", "red", "colour = 'red': unknown field; allowed: name, description, robot, terrain, objective"),
-        ("terrain.slop_deg", 5.0, "terrain.slop_deg = 5.0: unknown field, did you mean slope_deg? allowed: slope_deg"),
+        ("colour", "red", "colour = 'red': unknown field; allowed: name, description, robot, objective, transcription"),
+        ("terrain.slope_deg", 5.0, "terrain = {'slope_deg': 5.0}: unknown field; allowed: name,"),
+        ("objective.tild", 5.0, "objective.tild = 5.0: unknown field, did you mean tilt? allowed: force, tangential_"),
         ("name", "Quick Start", "name = 'Quick Start': String should match pattern '^[a-z0-9]+(-[a-z0-9]+)*$'"),
         ("name", "../../etc", "name = '../../etc': String should match pattern"),
-        ("terrain.slope_deg", 60, "terrain.slope_deg = 60: Input should be less than 60"),
-        ("terrain.friction", 0, "terrain.friction = 0: Input should be greater than 0"),
-        ("terrain.friction", float("nan"), "terrain.friction = nan: Input should be a finite number"),
-        ("tasks.speed.stop", float("inf"), "tasks.speed.stop = inf: Input should be a finite number"),
-        ("tasks.speed.start", -0.1, "tasks.speed.start = -0.1: Input should be greater than or equal to 0"),
-        ("tasks.speed.stop", 0.05, "tasks.speed: stop = 0.05, start = 0.1, count = 6: stop must be above start"),
-        ("tasks.speed.count", 2.5, "tasks.speed.count = 2.5: Input should be a valid integer"),
-        ("tasks.cycle_duration.start", 0, "tasks.cycle_duration: start = 0: a cycle must last longer than 0 s"),
+        ("tasks.axes.slope", 60, "tasks.axes: slope = 60: must lie in -59 to 59 deg"),
+        ("tasks.axes.friction", 0, "tasks.axes: friction = 0: must lie in 0.01 to 5 1"),
+        ("tasks.axes.friction", float("nan"), "tasks.axes.friction = nan: Input should be a finite number"),
+        ("tasks.axes.friction", "rough", "tasks.axes.friction = 'rough': Input should be a valid number; this is text"),
+        ("tasks.axes.speed.stop", float("inf"), "tasks.axes.speed.stop = inf: Input should be a finite number"),
+        ("tasks.axes.speed.start", -20.1, "tasks.axes: speed = -20.1: must lie in -20 to 20 m/s"),
+        ("tasks.axes.speed.stop", 0.05, "tasks.axes.speed: stop = 0.05, start = 0.1, count = 6: stop must be above"),
+        ("tasks.axes.speed.count", 2.5, "tasks.axes.speed.count = 2.5: Input should be a valid integer"),
+        ("tasks.axes.speed.cuont", 2, "tasks.axes.speed.cuont = 2: unknown field, did you mean count? allowed: start,"),
+        ("tasks.axes.cycle_duration.start", 0, "tasks.axes: cycle_duration = 0: must lie in 0.01 to 20 s"),
+        ("tasks.axes", {"speed": 0.5}, "tasks.axes: cycle_duration: missing; give it a value [s] or a range {start,"),
+        ("tasks.axes", {"cycle_duration": 0.5}, "tasks.axes: no axis has a range: a map needs one at least, written"),
+        ("tasks.axes.sped", 1.0, "tasks.axes: 'sped': unknown axis; did you mean speed? The axes are speed, lateral_"),
+        ("tasks.axes." + "x" * 10_000, 1.0, "tasks.axes: 'xxxxxxxxxxxx...xxxxxxxxxxxxx': unknown axis; The axes are"),
+        ("tasks.axes.yaw_rate", 0.5, "tasks.axes.yaw_rate: needs a robot with dimension 3, half_cheetah has 2"),
+        (
+            "tasks.axes.lateral_speed",
+            {"start": 0, "stop": 1, "count": 2},
+            "tasks.axes.lateral_speed: needs a robot with dimension 3, half_cheetah has 2; leave it out",
+        ),
+        (
+            "tasks.axes",
+            {axis: {"start": 0.5, "stop": 1.0, "count": 10_000} for axis in ("speed", "cycle_duration")},
+            "tasks.axes: the grid of all ranges has 100000000 tasks: at most 1000000 are allowed",
+        ),
+        ("tasks.speed", {}, "tasks.speed = {}: unknown field; allowed: axes, held_out, held_out_seed"),
         ("tasks.held_out", 10**6, "tasks.held_out = 1000000: Input should be less than or equal to 100000"),
         ("objective", {}, "objective: at least one weight must be positive"),
         ("objective.force", -1.0, "objective.force = -1.0: Input should be greater than or equal to 0"),
@@ -103,7 +142,7 @@ def test_the_scenarios_of_the_paper() -> None:
         ),
         ("transcription.phases", 1, "transcription.phases = 1: Input should be greater than or equal to 2"),
         ("transcription.phases", 1000, "transcription.phases = 1000: Input should be less than or equal to 12"),
-        ("transcription.integrator", "rk5", "transcription.integrator = 'rk5': Input should be 'euler' or 'rk4'"),
+        ("transcription.integrator", "rk5", "transcription.integrator = 'rk5': Input should be 'euler', 'rk4', 'mid"),
         ("stances_per_leg", 2, "stances_per_leg = 2: Input should be 1 or null"),
         (
             "strategy.name",
@@ -123,12 +162,40 @@ def test_the_scenarios_of_the_paper() -> None:
         ("learning.learning_rates", [], "learning.learning_rates = []: Tuple should have at least 1 item"),
         ("learning.learning_rates", [-0.1], "learning.learning_rates.0 = -0.1: Input should be greater than 0"),
         ("learning.hidden_layers", [[]], "learning.hidden_layers.0 = []: Tuple should have at least 1 item"),
-        ("terrain", 5, "terrain = 5: Input should be an object"),
+        ("objective", 5, "objective = 5: Input should be an object"),
+        ("tasks.axes", [], "tasks.axes = []: Input should be an object"),
         ("tasks", None, "tasks = None: Input should be an object"),
     ],
 )
 def test_a_wrong_value_is_refused(scenario_file: Path, field: str, value: Any, said: str) -> None:
-    assert refusal(edited(scenario_file, field, value)).startswith(said)
+    answer = refusal(edited(scenario_file, field, value))
+    assert answer.startswith(said)
+    assert len(answer.splitlines()[0]) < 400
+    assert field.startswith("learning") or "\n" not in answer, "one line says it"
+
+
+def test_an_axis_given_twice_is_refused(scenario_file: Path) -> None:
+    text = scenario_file.read_text(encoding="utf-8")
+    line = "    speed: {start: 0.1, stop: 2.1, count: 6}\n"
+    assert line in text
+    scenario_file.write_text(text.replace(line, line + "    speed: 0.9\n"), encoding="utf-8")
+    with pytest.raises(ConfigError) as caught:
+        load_scenario(scenario_file)
+    number = text.split(line)[0].count("\n") + 2
+    assert str(caught.value) == f"{scenario_file}, line {number}, column 5: not valid YAML ('speed' is given twice)"
+
+
+@pytest.mark.parametrize("slope", [-5.0, {"start": 0.0, "stop": 5.0, "count": 2}])
+def test_turning_on_a_slope_is_refused(scenario_file: Path, slope: Any) -> None:
+    edited(scenario_file, "robot", "anymal")
+    edited(scenario_file, "tasks.axes.yaw_rate", 0.5)
+    assert load_scenario(scenario_file).tasks.varies("yaw_rate")
+    assert refusal(edited(scenario_file, "tasks.axes.slope", slope)) == (
+        "tasks.axes: yaw_rate and slope: turning on a slope is not periodic, as gravity turns against the body; leave "
+        "one of them out"
+    )
+    edited(scenario_file, "tasks.axes.slope", 0.0)
+    assert not load_scenario(scenario_file).tasks.varies("slope"), "level ground is no slope"
 
 
 @pytest.mark.parametrize("pattern", ["0110", "0110/110", "0110/1102", "0110/1100/0011", "gallop", "٠١١٠/١١٠٠", ""])
@@ -200,7 +267,12 @@ def test_a_scenario_is_frozen() -> None:
     with pytest.raises(ValidationError, match="frozen"):
         scenario.name = "other"  # type: ignore[misc]
     with pytest.raises(ValidationError, match="frozen"):
-        scenario.tasks.speed.count = 1  # type: ignore[misc]
+        scenario.tasks.ranges["speed"].count = 1  # type: ignore[misc]
+    with pytest.raises(TypeError, match="frozen"):
+        scenario.tasks.axes["speed"] = 1.0
+    with pytest.raises(TypeError, match="frozen"):
+        scenario.tasks.axes.update(speed=1.0)
+    assert pickle.loads(pickle.dumps(scenario)) == copy.deepcopy(scenario) == scenario
     assert hash(scenario) == hash(load_scenario(QUICKSTART))
 
 
@@ -234,7 +306,8 @@ def test_a_digest_is_the_same_on_every_machine() -> None:
     [
         ("name", "other"),
         ("description", "other"),
-        ("tasks.speed.count", 3),
+        ("tasks.axes.speed.count", 3),
+        ("tasks.axes.friction", 0.7),
         ("tasks.held_out", 0),
         ("strategy.restarts", 9),
         ("learning.folds", 4),
@@ -251,11 +324,13 @@ def test_the_problem_digest_ignores_what_a_solve_does_not_see(scenario_file: Pat
 @pytest.mark.parametrize(
     ("field", "value"),
     [
-        ("terrain.friction", 0.7),
-        ("terrain.slope_deg", 1),
+        ("tasks.axes.slope", 1),
+        ("tasks.axes.acceleration", {"start": 0.0, "stop": 1.0, "count": 2}),
         ("objective.tilt", 1.0),
         ("transcription.phases", 3),
         ("transcription.integrator", "rk4"),
+        ("transcription.forces", "held"),
+        ("transcription.grading", 0.25),
         ("stances_per_leg", None),
     ],
 )
