@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from gaitflow.core.gaits import Pattern, diagram, gait_of
+from gaitflow.core.gaits import Pattern, Symmetry, diagram, gait_of
 
 # Fig. 5, as printed.
 _FIGURE_5 = {
@@ -83,10 +83,11 @@ def gait_name(gait: Pattern, leg_names: Sequence[str]) -> str:
         return drawn
     kind = _kind(_placed(gait, places))
     archetype = _ARCHETYPES.get(kind)
-    if archetype and gait_of(_placed(gait, places), _MIRROR) == gait_of(Pattern.from_text(archetype), _MIRROR):
+    images = Symmetry(mirror=_MIRROR)
+    if archetype and gait_of(_placed(gait, places), images) == gait_of(Pattern.from_text(archetype), images):
         return kind
-    mirror = [places[_MIRROR[places.index(leg)]] for leg in range(4)]
-    return f"{kind} {gait_of(gait, mirror).text}"
+    mirror = tuple(places[_MIRROR[places.index(leg)]] for leg in range(4))
+    return f"{kind} {gait_of(gait, Symmetry(mirror)).text}"
 
 
 def gait_kind(gait: Pattern, leg_names: Sequence[str]) -> str:
