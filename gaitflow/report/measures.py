@@ -120,7 +120,7 @@ def only_gaits_of_fig5(a: GaitGrid) -> Outcome:
 
 def every_gait_of_fig5(*grids: GaitGrid) -> Outcome:
     """Whether each gait of Fig. 5 is best somewhere on any of the maps."""
-    return _all_of({name: any(name in grid.names for grid in grids) for name in FIG5})
+    return _all_of({name: any(grid.best(name).any() for grid in grids) for name in FIG5})
 
 
 def contiguous(grid: GaitGrid) -> Outcome:

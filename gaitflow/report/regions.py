@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
@@ -20,16 +21,17 @@ class GaitGrid:
 
     speeds [n] m/s rising; durations [m] s rising; gaits [n, m] names, "" where the task is infeasible or was not
     part of the grid; ties [n, m] sets of the names that cost the same within the tie tolerance. Of a map with further
-    axes it holds one slice.
+    axes it holds one slice. merged: names that stand for one gait here, each with the one that the map calls it by.
     """
 
     speeds: NDArray[np.float64]
     durations: NDArray[np.float64]
     gaits: NDArray[np.object_]
     ties: NDArray[np.object_]
+    merged: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
-    def from_labels(cls, labels: pd.DataFrame) -> GaitGrid:
+    def from_labels(cls, labels: pd.DataFrame, merged: Mapping[str, str] | None = None) -> GaitGrid:
         """The grid tasks of a labels frame. Raises ValueError without one, and for several slices."""
         grid = labels[labels["split"] == "grid"]
         if grid.empty:
@@ -37,15 +39,16 @@ class GaitGrid:
         rounded = grid.assign(speed=grid["speed"].round(9), cycle_duration=grid["cycle_duration"].round(9))
         if rounded.duplicated(["speed", "cycle_duration"]).any():
             raise ValueError("the labels have several tasks at one speed and cycle duration; pass one slice of the map")
+        called = dict(merged or {})
         speeds = np.sort(rounded["speed"].unique()).astype(float)
         durations = np.sort(rounded["cycle_duration"].unique()).astype(float)
         gaits = np.full((len(speeds), len(durations)), INFEASIBLE, dtype=object)
         ties = np.full(gaits.shape, frozenset(), dtype=object)
         for row in rounded[rounded["status"] == "solved"].to_dict("records"):
             at = np.searchsorted(speeds, row["speed"]), np.searchsorted(durations, row["cycle_duration"])
-            gaits[at] = row["gait"]
-            ties[at] = frozenset(row["ties"]) | {row["gait"]}
-        return cls(speeds, durations, gaits, ties)
+            gaits[at] = called.get(row["gait"], row["gait"])
+            ties[at] = frozenset(called.get(name, name) for name in (*row["ties"], row["gait"]))
+        return cls(speeds, durations, gaits, ties, called)
 
     @property
     def feasible(self) -> Mask:
@@ -69,15 +72,16 @@ class GaitGrid:
         """The part of the map on some of its speeds and durations (both must be on the grid)."""
         rows, columns = np.searchsorted(self.speeds, speeds), np.searchsorted(self.durations, durations)
         at = np.ix_(rows, columns)
-        return GaitGrid(self.speeds[rows], self.durations[columns], self.gaits[at], self.ties[at])
+        return GaitGrid(self.speeds[rows], self.durations[columns], self.gaits[at], self.ties[at], self.merged)
 
     def best(self, gait: str) -> Mask:
         """Tasks at which `gait` costs least, [n, m]."""
-        return np.asarray(self.gaits == gait, dtype=bool)
+        return np.asarray(self.gaits == self.merged.get(gait, gait), dtype=bool)
 
     def best_or_tied(self, gait: str) -> Mask:
         """Tasks at which `gait` costs least within the tie tolerance, [n, m]."""
-        return np.array([[gait in names for names in row] for row in self.ties], dtype=bool)
+        name = self.merged.get(gait, gait)
+        return np.array([[name in names for names in row] for row in self.ties], dtype=bool)
 
     def regions(self, gait: str) -> tuple[Mask, ...]:
         """Connected regions of a gait, largest first; tasks touch along an edge of the grid, not at a corner."""

@@ -34,6 +34,7 @@ from gaitflow.report.tables import (
     number,
     percent,
     provenance_table,
+    refined,
     tie_table,
     unresolved_table,
     unsolved_table,
@@ -110,7 +111,7 @@ def _highlights(labels: pd.DataFrame, learning: Mapping[str, Any] | None) -> lis
         ("tasks without a gait", str(len(labels) - len(solved))),
         ("tasks with ties", str(int((labels["ties"].map(len) > 1).sum()))),
     ]
-    if "resolved" in labels.columns:
+    if refined(labels):
         pairs += [("labels not resolved", str(int((~solved["resolved"].astype(bool)).sum())))]
     if learning is not None:
         quality = next(one for one in learning["competitors"] if one["method"] == learning["method"])
@@ -200,7 +201,7 @@ def _sections(
 
 
 def _on_resolution(labels: pd.DataFrame, unresolved: Table) -> str:
-    if "resolved" not in labels.columns:
+    if not refined(labels):
         return "The costs were not compared with those on a finer mesh."
     if unresolved.rows:
         return "The margin is smaller than the error of the costs, by a finer mesh, and the gaits do not tie."

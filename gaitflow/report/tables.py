@@ -61,7 +61,7 @@ def gait_table(labels: pd.DataFrame, leg_names: Sequence[str]) -> Table:
     labels it leaves open, are told where the labels have them.
     """
     solved = labels[labels["status"] == "solved"]
-    judged = {"cost_error", "resolved"} <= set(labels.columns)
+    judged = refined(labels)
     rows = []
     for name in ordered_gaits(solved["gait"]):
         won = solved[solved["gait"] == name]
@@ -105,14 +105,19 @@ def unsolved_table(labels: pd.DataFrame, space: TaskSpace) -> Table:
 def unresolved_table(labels: pd.DataFrame, space: TaskSpace) -> Table:
     """A row a task whose label the mesh does not decide, with the margin and the error of the costs behind it.
 
-    Without a row where the labels do not tell.
+    Without a row where nothing was compared with a finer mesh.
     """
-    open_ = labels[~labels["resolved"].astype(bool)] if "resolved" in labels.columns else labels.iloc[:0]
+    open_ = labels[~labels["resolved"].astype(bool)] if refined(labels) else labels.iloc[:0]
     rows = [
         (*_task(row, space), row["gait"], row["runner_up"], percent(row["margin"]), percent(row["cost_error"]))
         for row in _sorted(open_[open_["status"] == "solved"], space).to_dict("records")
     ]
     return Table((*_headings(space), "split", "gait", "runner-up", "margin", "cost error"), tuple(rows))
+
+
+def refined(labels: pd.DataFrame) -> bool:
+    """Whether costs behind the labels were compared with those on a finer mesh."""
+    return {"cost_error", "resolved"} <= set(labels.columns) and bool(labels["cost_error"].notna().any())
 
 
 def _headings(space: TaskSpace) -> tuple[str, ...]:

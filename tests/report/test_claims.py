@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from gaitflow.report.claims import CHECKS, FIGURES, Claim, check_claims, claims_data, claims_markdown
+from gaitflow.report.claims import CHECKS, EXACT, FIGURES, SCENARIOS, Claim, check_claims, claims_data, claims_markdown
 from gaitflow.report.measures import verdict_of
 
 EFFORT, VIBRATION, SLOPE = FIGURES["4a"], FIGURES["4b"], FIGURES["4c"]
@@ -124,15 +124,36 @@ def test_maps_without_common_task_do_not_break_the_comparison(map_of, rule_4a) -
 
 def test_rows_as_json_and_markdown(maps) -> None:
     claims = check_claims(maps)
-    assert json.loads(json.dumps(claims_data(claims)))[0].keys() == {"id", "statement", "verdict", "numbers"}
+    keys = {"id", "statement", "verdict", "numbers", "exact_verdict", "exact_numbers"}
+    assert json.loads(json.dumps(claims_data(claims)))[0].keys() == keys
     lines = claims_markdown(claims).splitlines()
     assert len(lines) == 2 + len(claims)
-    assert {line.count(" | ") for line in lines} == {3}
+    assert {line.count(" | ") for line in lines} == {5}
 
 
 def test_a_bar_in_a_text_does_not_break_the_markdown_table() -> None:
-    row = claims_markdown([Claim("x", "a | b", "holds", "1")]).splitlines()[-1]
-    assert row == "| x | a \\| b | holds | 1 |"
+    row = claims_markdown([Claim("x", "a | b", "holds", "1", "does not", "2")]).splitlines()[-1]
+    assert row == "| x | a \\| b | holds | does not | 1 | 2 |"
+
+
+def test_the_exact_maps_are_measured_beside_eulers(maps, map_of) -> None:
+    assert set(SCENARIOS) == {*FIGURES.values(), *EXACT.values()}
+    exact = {name: map_of(lambda v, t: "bounding") for name in EXACT.values()}
+    claims, alone = by_id(check_claims(maps | exact)), by_id(check_claims(maps))
+    assert (claims["4a-walking"].verdict, claims["4a-walking"].exact_verdict) == ("holds", "does not")
+    assert (claims["4b-bounding"].exact_verdict, alone["4b-bounding"].exact_verdict) == ("holds", "not measured")
+    assert alone["4b-bounding"].exact_numbers == f"needs {EXACT['4b']} (Fig. 4b)"
+    assert all(claims[key].verdict == alone[key].verdict for key in claims)
+
+
+def test_where_time_reversal_merges_two_gaits_their_names_count_as_one(map_of, rule_4a) -> None:
+    def merged(speed: float, duration: float) -> str:
+        gait = rule_4a(speed, duration)
+        return "gallop-pronk" if gait == "pronking" else gait
+
+    labels = map_of(merged)
+    claim = by_id(check_claims({EFFORT: labels, EXACT["4a"]: labels}))["4a-pronking"]
+    assert (claim.verdict, claim.exact_verdict) == ("does not", "holds")
 
 
 def test_nothing_to_count_does_not_hold() -> None:
