@@ -289,6 +289,6 @@ def _constant_rows(layout: Layout, pattern: Pattern, rows: int) -> Array:
         nodes = np.concatenate([per_phase, per_phase[:, -1:]], axis=1).reshape(-1, layout.legs)
     cones = np.repeat(~nodes, 2 * (d - 1), axis=1)
     closing = np.zeros(layout.nx + 1, dtype=bool)
-    closing[heights] = columns[0] & columns[-1]
+    closing[heights] = columns[0] | columns[-1]
     offsets = np.zeros(rows - defects.size - cones.size - closing.size, dtype=bool)
     return np.concatenate([defects.ravel(), offsets, cones.ravel(), closing])
