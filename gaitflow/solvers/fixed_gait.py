@@ -1,7 +1,8 @@
 """The fixed-gait problem: one pattern at one task from one start, solved and judged by our own check.
 
-The interior point of this package solves it; where that fails, and the way it failed does not say that the gait cannot
-be walked, IPOPT has the last word.
+The interior point of this package solves it. Where it neither converges nor finds the pattern infeasible, IPOPT has the
+last word. A neighbour's multipliers are a promise: where that is not kept, nothing is learnt about the pattern, and the
+caller goes on to a start without.
 """
 
 from __future__ import annotations
@@ -100,11 +101,11 @@ class FixedGaitSolver:
         return make_ipopt(self.problem.nlp, IPOPT_WARM | {"max_cpu_time": self._limit})
 
     def solve(self, pattern: Pattern, task: Task, start: Start) -> Attempt:
-        """One solve from one start. A solver's exception is a failed attempt."""
+        """One solve from one start, by IPOPT only where there are no multipliers. An exception is a failed attempt."""
         wall, cpu = time.perf_counter(), time.process_time()
         answer = self._interior_point(pattern, task, start)
         attempt = self._judged(pattern, task, start, answer, wall, cpu)
-        if not attempt.feasible:
+        if start.multipliers is None and attempt.gave_up:
             spent, answer = answer.iterations, self._ipopt(pattern, task, start)
             attempt = self._judged(pattern, task, start, answer, wall, cpu, spent)
         return attempt
@@ -124,19 +125,20 @@ class FixedGaitSolver:
     def _interior_point(self, pattern: Pattern, task: Task, start: Start) -> _Answer:
         method, parameters, spent = self.method(pattern), task.parameters, 0
         expected = self._expected_cost(start.w, task)
-        for unit, barrier, limit in self._tries(expected, start):
+        for unit, barrier, limit, careful in self._tries(expected, start):
             point = self._point(method.space, start, unit)
-            outcome = method.follow(parameters, point, unit, barrier, limit)
+            outcome = method.follow(parameters, point, unit, barrier, limit, careful)
             spent += outcome.iterations
-            if outcome.converged:
+            if outcome.ending in ("converged", "infeasible"):
                 break
         return self._answer(method.space, outcome, unit, spent)
 
-    def _tries(self, expected: float, start: Start) -> list[tuple[float, float, int]]:
-        """Units of cost, barriers and limits to try in turn."""
+    @staticmethod
+    def _tries(expected: float, start: Start) -> list[tuple[float, float, int, bool]]:
+        """Units of cost, barriers, limits and whether to be careful, to try in turn."""
         if start.multipliers is not None:
-            return [(expected, WARM_BARRIER, WARM_LIMIT)]
-        return [(expected * factor, COLD_BARRIER, COLD_LIMIT) for factor in (1.0, *OTHER_UNITS)]
+            return [(expected, WARM_BARRIER, WARM_LIMIT, False)]
+        return [(expected * factor, COLD_BARRIER, COLD_LIMIT, True) for factor in (1.0, *OTHER_UNITS)]
 
     def _expected_cost(self, w: Array, task: Task) -> float:
         """About the scaled cost of a motion: the start's, where that is not nothing.
@@ -157,8 +159,7 @@ class FixedGaitSolver:
     @staticmethod
     def _answer(space: GaitSpace, outcome: Outcome, unit: float, iterations: int) -> _Answer:
         _, bounds, rows = space.join(outcome.point, unit)
-        status = CONVERGED[0] if outcome.converged else "not converged"
-        return _Answer("interior_point", status, outcome.cost, iterations, outcome.w, Multipliers(bounds, rows))
+        return _Answer("interior_point", outcome.ending, outcome.cost, iterations, outcome.w, Multipliers(bounds, rows))
 
     def _ipopt(self, pattern: Pattern, task: Task, start: Start) -> _Answer:
         solver = self._cold if start.multipliers is None else self._warm
@@ -190,7 +191,7 @@ class FixedGaitSolver:
         return Attempt(
             start=start.name,
             feasible=feasible,
-            gave_up=not feasible and answer.status != "Infeasible_Problem_Detected",
+            gave_up=not feasible and not self._found_infeasible(answer, start),
             solver_status=answer.status,
             cost=answer.cost * self.problem.cost_scale,
             violation=violation,
@@ -202,3 +203,9 @@ class FixedGaitSolver:
             multipliers=answer.multipliers,
             method=answer.method,
         )
+
+    @staticmethod
+    def _found_infeasible(answer: _Answer, start: Start) -> bool:
+        if answer.method == "ipopt":
+            return answer.status == "Infeasible_Problem_Detected"
+        return answer.status == "infeasible" and start.multipliers is None

@@ -43,8 +43,8 @@ class Kkt:
         weights = self._program.jacobian[self._from_jacobian] * multipliers[self._jacobian_row]
         return np.bincount(self._jacobian_column, weights, minlength=len(self._space.free)).astype(np.float64)
 
-    def solve(self, unit: float, variables: Array, unequal: Array, right: Array, correct: bool = False) -> Array:
-        """The solution [nF + nE + nI] with the program's Hessian over `unit`, D_w = variables [nF], D_I = unequal [nI].
+    def factorise(self, unit: float, variables: Array, unequal: Array, correct: bool = False) -> None:
+        """Factorise it with the program's Hessian over `unit`, D_w = variables [nF] and D_I = unequal [nI].
 
         `correct`: raise H's diagonal until the matrix has as many negative eigenvalues as rows, as it has at a minimum.
         Raises NotFactorised.
@@ -58,10 +58,14 @@ class Kkt:
         for _ in range(CORRECTIONS):
             self._matrix.data[:] = values
             if self._factorised(correct):
-                return self._solver.solve(right)
+                return
             values[lifted] += 99 * lift
             lift *= 100
         raise NotFactorised(f"no factorisation with {lift / 100:g} on the diagonal")
+
+    def solve(self, right: Array) -> Array:
+        """The solution [nF + nE + nI] by the last factorisation."""
+        return self._solver.solve(right)
 
     def _entries(self) -> tuple[Places, Places]:
         """Rows and columns of all entries, upper triangle: of H, of J^T, and of the whole diagonal."""

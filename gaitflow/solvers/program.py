@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -34,13 +35,14 @@ def derivatives(problem: Any) -> Any:
 class Program:
     """A problem (w [nw], task [axes]) -> (cost, rows [ng]) and its derivatives. For one thread.
 
-    Arrays hold the values of the last evaluation: cost [1], rows [ng], gradient [nw]; jacobian and hessian are the values of fixed places, (row, column) each:
-    `jacobian_places` and, upper triangle, `hessian_places`. Several programs of one problem may share its `derivatives`,
-    which take seconds to build in space.
+    Arrays hold the values of the last evaluation: cost [1], rows [ng], gradient [nw]; jacobian and hessian are the
+    values of fixed places, (row, column) each: `jacobian_places` and, upper triangle, `hessian_places`. Several programs
+    of one problem may share its `derivatives`, which take seconds to build in space.
     """
 
     def __init__(self, problem: Any, function: Any | None = None) -> None:
         function = derivatives(problem) if function is None else function
+        self._problem = problem
         self.variables, self.row_count = function.numel_in(0), function.numel_in(2)
         self.jacobian_places = _places(function.sparsity_out(3))
         self.hessian_places = _places(function.sparsity_out(4))
@@ -63,6 +65,22 @@ class Program:
         """Evaluate cost and rows only, in an eighth of the time in space."""
         self._inputs[0][:], self._inputs[1][:] = w, task
         self._evaluate_rows()
+
+    def by_task(self, w: Array, task: Array, multipliers: Array) -> tuple[Array, Array]:
+        """How the gradient of cost + multipliers @ rows [nw, axes] and the rows [ng, axes] change with the task."""
+        gradient, rows = self._task_derivatives(w, task, multipliers)
+        return np.asarray(gradient.full()), np.asarray(rows.full())
+
+    @cached_property
+    def _task_derivatives(self) -> Any:
+        import casadi
+
+        symbols = [casadi.SX.sym("w", self.variables), casadi.SX.sym("task", self._problem.numel_in(1))]
+        multipliers = casadi.SX.sym("multipliers", self.row_count)
+        cost, rows = self._problem(*symbols)
+        gradient = casadi.gradient(cost + casadi.dot(multipliers, rows), symbols[0])
+        results = [casadi.jacobian(gradient, symbols[1]), casadi.jacobian(rows, symbols[1])]
+        return casadi.Function("by_task", [*symbols, multipliers], results)
 
     def _bound(self, function: Any, inputs: Sequence[Array], results: Sequence[Array]) -> Callable[[], None]:
         """The function between these arrays; its buffer has a memory of its own, so threads may each have one."""
