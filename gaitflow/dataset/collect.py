@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,22 +12,25 @@ import numpy as np
 import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
+from numpy.typing import NDArray
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.dataset.provenance import dataset_record, read_record
 from gaitflow.dataset.read import FILE_NAME
-from gaitflow.dataset.schema import HEAVY, SCALARS, Sizes, solution_schema
+from gaitflow.dataset.schema import HEAVY, MULTIPLIERS, scalar_columns, solution_schema, task_columns
 from gaitflow.files import new_file
 from gaitflow.store.parts import DamagedPart, UnitStore
 from gaitflow.store.seal import check_seal, write_sealed
 from gaitflow.store.units import Unit, plan_units
 
-ORDER = ["split", "cycle_duration", "speed", "pattern", "seed", "start"]
-TASK = ["split", "cycle_duration", "speed"]
+PUBLISHED_LEVEL = 15  # of zstd: what is published is written once
 ROWS_PER_GROUP = 2000  # rows held in memory at a time
 OPEN_PARTS = 8
 TABLES_AT_ONCE = 1000
 MAKERS = ("made_by", "solver_options")  # what a dataset's record keeps of those of its parts
+
+
+Mask = NDArray[np.bool_]
 
 
 class NotComplete(ValueError):
@@ -37,7 +40,8 @@ class NotComplete(ValueError):
 def collect(store: UnitStore, scenario: Scenario) -> Path:
     """Merge every unit of `scenario` into one file, `<store>/solutions.parquet`, and return its path.
 
-    Rows are sorted by (split, T, v, pattern, seed, start). Every part is checked; a bad one goes to quarantine.
+    Rows are sorted by split, task (speed fastest), pattern, seed and start. Every part is checked; a bad one goes to
+    quarantine.
     Raises NotComplete, WriteError.
     """
     units = plan_units(scenario)
@@ -52,11 +56,11 @@ def collect(store: UnitStore, scenario: Scenario) -> Path:
             f"The first: {next(iter(damaged.values()))}"
         )
     try:
-        table, records = _scalars(store, units)
-        rows = table.to_pandas().sort_values(ORDER, kind="stable", ignore_index=True)
+        schema = solution_schema(scenario.as_data())
+        table, records = _scalars(store, units, scalar_columns(schema.names))
+        rows = table.to_pandas().sort_values(_order(schema.names), kind="stable", ignore_index=True)
         target = store.folder / FILE_NAME
         read = functools.lru_cache(maxsize=OPEN_PARTS)(lambda index: store.read(units[index]))
-        schema = solution_schema(Sizes.of(scenario))
         with new_file(target, replace=True) as file:
             record = dataset_record(scenario, [unit.digest for unit in units], records)
             write_sealed(file, schema, _tables(rows, read, schema), record)
@@ -65,38 +69,51 @@ def collect(store: UnitStore, scenario: Scenario) -> Path:
     return target
 
 
-def thin(collected: Path, target: Path, keep_trajectories: int) -> Path:
-    """Copy a collected file to a size that can be published.
+def thin(collected: Path, target: Path, gaits: int, dearer: float) -> Path:
+    """Copy a collected file to a size that can be published; the rows stay, most of the motions go.
 
-    Only the cheapest solved row of each of the `keep_trajectories` cheapest gaits of a task keeps its trajectory and
-    multipliers; the others have nulls there. Raises ValueError when `collected` is damaged or not ours, WriteError.
+    Of each task the `gaits` cheapest gaits keep the trajectory of their cheapest solve. Of these the ones that cost at
+    most the share `dearer` more than the best keep multipliers, in single precision, which is enough to start a solve.
+    Raises ValueError when `collected` is damaged or not ours, WriteError.
     """
     check_seal(collected)
     with pq.ParquetFile(collected) as file, new_file(target, replace=True) as thinned:
         record = read_record(file.metadata.metadata, str(collected))
-        keep = _cheapest(file.read(columns=list(SCALARS)).to_pandas(), keep_trajectories).to_numpy(dtype=bool)
         schema = file.schema_arrow.remove_metadata()
+        rows = file.read(columns=scalar_columns(schema.names)).to_pandas()
+        motion, near = _cheapest(rows, gaits, dearer)
 
         def tables() -> Iterator[pa.Table]:
             start = 0
             for batch in file.iter_batches(batch_size=ROWS_PER_GROUP):
-                chosen = pa.array(np.arange(len(batch)), mask=~keep[start : start + len(batch)])
-                columns = [batch[name].take(chosen) if name in HEAVY else batch[name] for name in schema.names]
+                here = slice(start, start + len(batch))
+                columns = [_kept(batch[name], name, motion[here], near[here]) for name in schema.names]
                 yield pa.Table.from_arrays(columns, schema=schema)
                 start += len(batch)
 
-        write_sealed(thinned, schema, tables(), record)
+        write_sealed(thinned, schema, tables(), record, PUBLISHED_LEVEL)
     return target
 
 
-def _scalars(store: UnitStore, units: Sequence[Unit]) -> tuple[pa.Table, list[dict[str, Any]]]:
+def _kept(column: pa.Array, name: str, motion: Mask, near: Mask) -> pa.Array:
+    """A column of a batch, with nulls in the rows that are to lose it."""
+    if name not in HEAVY:
+        return column
+    kept = near if name in MULTIPLIERS else motion
+    column = column.take(pa.array(np.arange(len(column)), mask=~kept))
+    if name in MULTIPLIERS:
+        column = column.cast(pa.list_(pa.float32())).cast(column.type)
+    return column
+
+
+def _scalars(store: UnitStore, units: Sequence[Unit], columns: Sequence[str]) -> tuple[pa.Table, list[dict[str, Any]]]:
     """Scalar columns of all rows, with where each row is: `unit` (index) and `row` in its part; what made the parts.
 
     Of the parts' records only those that differ in who made them how: one a part would not fit into memory.
     """
     tables, makers = [], dict[str, dict[str, Any]]()
     for index, unit in enumerate(units):
-        table, record = store.read_with_record(unit, columns=list(SCALARS))
+        table, record = store.read_with_record(unit, columns=columns)
         made = {key: record[key] for key in MAKERS}
         makers[json.dumps(made, sort_keys=True)] = made
         places = pa.array(np.full(len(table), index)), pa.array(np.arange(len(table)))
@@ -107,10 +124,21 @@ def _scalars(store: UnitStore, units: Sequence[Unit]) -> tuple[pa.Table, list[di
     return pa.concat_tables(tables), list(makers.values())
 
 
-def _cheapest(rows: pd.DataFrame, number: int) -> pd.Series:
-    solved = rows[rows["status"] == "solved"].sort_values(["cost", *ORDER], kind="stable")
-    best = solved.drop_duplicates([*TASK, "gait"])
-    return pd.Series(rows.index.isin(best.groupby(TASK).head(number).index), index=rows.index)
+def _cheapest(rows: pd.DataFrame, gaits: int, dearer: float) -> tuple[Mask, Mask]:
+    """Which rows [n] are the best of their task's cheapest gaits; which of these are nearly as cheap as the best."""
+    task = task_columns(rows.columns)
+    solved = rows[rows["status"] == "solved"].sort_values(["cost", *_order(rows.columns)], kind="stable")
+    best = solved.drop_duplicates([*task, "gait"])
+    chosen = best.groupby(task).head(gaits)
+    least = chosen.groupby(task)["cost"].transform("min")
+    near = chosen[chosen["cost"] - least <= dearer * least.abs()]
+    motion, close = (rows.index.isin(some.index) for some in (chosen, near))
+    return np.asarray(motion, dtype=bool), np.asarray(close, dtype=bool)
+
+
+def _order(names: Iterable[str]) -> list[str]:
+    *axes, split = task_columns(names)
+    return [split, *reversed(axes), "pattern", "seed", "start"]
 
 
 def _tables(rows: pd.DataFrame, read: Callable[[int], pa.Table], schema: pa.Schema) -> Iterator[pa.Table]:

@@ -1,41 +1,50 @@
-"""How far the labelled motions are from continuous ones between their knots, which no discrete constraint sees."""
+"""What the labelled motions do between their knots, which no discrete constraint sees, and what they really cost."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from gaitflow.core.check import step_gaps
+from gaitflow.core.check import between_knots, cost
 from gaitflow.dataset.read import Solutions
+from gaitflow.dataset.schema import task_columns
 from gaitflow.search.solution import Solution
 
-GAP = "gap_between_knots"  # column of the labels
+GAP = "gap_between_knots"  # [m] or [rad]: largest distance from the continuous motion under the same forces
+KINDS = {
+    "dynamics": GAP,
+    "kinematic box": "box_between_knots",  # [m] how far a foot leaves its box
+    "friction": "friction_between_knots",  # over m g
+    "penetration": "penetration_between_knots",  # [m]
+}  # what `gaitflow.core.check.between_knots` tells, on a grid ten times finer: the column of the labels
+COST_CHECK = "cost_check"  # (cost - cost integrated anew along the motion) / that
+COLUMNS = (*KINDS.values(), COST_CHECK)
 
 
-def gaps_between_knots(labels: pd.DataFrame, solutions: Solutions) -> list[float]:
-    """For each label its motion's worst gap in one step, [m] or [rad]; NaN where there is no motion.
-
-    The gap is the difference of base position or angles between the stored knot and the continuous motion that starts
-    at the knot before under the same forces (`gaitflow.core.check.step_gaps`).
-    """
-    wanted = {
-        (v, t, pattern)
-        for v, t, pattern in zip(labels["speed"], labels["cycle_duration"], labels["pattern"], strict=True)
-    }
-    frame = solutions.frame()
-    found: dict[tuple[float, float, str], float] = {}
-    for index, key in enumerate(zip(frame["speed"], frame["cycle_duration"], frame["pattern"], strict=True)):
-        if key in wanted:
-            found[key] = gap_between_knots(solutions.record["scenario"], solutions[index])
-    return [
-        found.get((v, t, pattern), np.nan)
-        for v, t, pattern in zip(labels["speed"], labels["cycle_duration"], labels["pattern"], strict=True)
+def with_motion_checks(labels: pd.DataFrame, solutions: Solutions) -> pd.DataFrame:
+    """The labels with the columns COLUMNS: `motion_checks` of each label's motion, NaN where there is none."""
+    frame, scenario = solutions.frame(), solutions.record["scenario"]
+    key = [*task_columns(labels.columns), "pattern"]
+    places = {row: place for place, row in enumerate(zip(*(frame[name] for name in key), strict=True))}
+    nothing = dict.fromkeys(COLUMNS, np.nan)
+    checks = [
+        motion_checks(scenario, solutions[places[row]]) if row in places else nothing
+        for row in zip(*(labels[name] for name in key), strict=True)
     ]
+    return labels.assign(**{name: [check[name] for check in checks] for name in COLUMNS})
 
 
-def gap_between_knots(scenario: dict[str, object], solution: Solution) -> float:
-    """Worst gap of one motion, [m] or [rad]; NaN without a trajectory. `scenario` is `Scenario.as_data()`."""
-    if solution.trajectory is None:
-        return float("nan")
-    gaps = step_gaps(scenario, solution.trajectory)
-    return float(np.abs(gaps[:, : gaps.shape[1] // 2]).max())
+def motion_checks(scenario: Mapping[str, Any], solution: Solution) -> dict[str, float]:
+    """COLUMNS of one motion; NaN without a trajectory. `scenario` is `Scenario.as_data()`."""
+    motion = solution.trajectory
+    if motion is None:
+        return dict.fromkeys(COLUMNS, np.nan)
+    found = between_knots(scenario, motion, solution.task, solution.pattern)
+    integrated = cost(scenario, motion, solution.task)
+    least = np.finfo(float).tiny
+    return {column: found[kind] for kind, column in KINDS.items()} | {
+        COST_CHECK: (solution.cost - integrated) / max(abs(integrated), least)
+    }

@@ -1,59 +1,81 @@
-"""From solves to labels: which gait costs least at each task, by how much, and which gaits tie.
+"""From solves to labels: which gait costs least at each task, by how much, how surely, and which gaits tie.
 
-Neighbouring gaits often cost the same to 0.1 %, and which of them comes out first there is solver noise. A label that
-a classifier learns therefore follows, among the gaits that tie, what the neighbouring tasks say.
+Costs carry the error of their mesh. Where the search also solved a gait on a finer mesh, that cost decides; a label
+says how large the error was, and whether the margin exceeds it. Neighbouring gaits often cost the same to 0.1 %, and
+which of them comes out first there is solver noise: see `gaitflow.dataset.neighbours` for what is learnt then.
 """
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import pandas as pd
 
-from gaitflow.config.tasks import Task
 from gaitflow.core.gaits import Pattern
-from gaitflow.core.names import gait_name
+from gaitflow.core.mesh_error import error_left
+from gaitflow.core.names import gait_kind, gait_name
+from gaitflow.core.task import Task
+from gaitflow.dataset.neighbours import neighbourhood_labels
+from gaitflow.dataset.schema import task_columns
 from gaitflow.search.screen import NO_ROOM, NO_SUPPORT, NO_SWING
 
 MAX_VIOLATION = 1e-6  # worst scaled constraint violation of a solve that counts
-TASK = ["speed", "cycle_duration", "split"]
 IMPOSSIBLE = (NO_SUPPORT, NO_SWING, NO_ROOM)  # why a pattern is screened that no motion can have
-COSTS = [*TASK, "gait", "gait_key", "pattern", "cost"]
-LABELS = [*TASK, "status", "gait", "gait_key", "pattern", "cost", "margin", "runner_up", "ties", "label"]
-
-Cell = tuple[int, int]  # place of a task on the grid: index of its speed, index of its cycle duration
+COSTS = ["gait", "gait_key", "pattern", "cost", "refined_cost", "refined_knots", "excess"]
+LABELS = [
+    "status", "gait", "gait_key", "pattern", "cost", "refined_cost", "margin", "runner_up", "ties", "cost_error",
+    "resolved", "label",
+]  # fmt: skip
+_NO_NUMBERS = dict.fromkeys(["cost", "refined_cost", "margin", "cost_error"], np.nan)
+_NO_NAMES = dict.fromkeys(["gait", "gait_key", "pattern", "runner_up", "label"], "")
 
 
 def gait_costs(solutions: pd.DataFrame, leg_names: Sequence[str]) -> pd.DataFrame:
     """The least cost of every gait at every task, over the patterns that realise it (AABC and ABBC are one gait).
 
-    `solutions` has the scalar columns of `Solution`, a row a solve. A solve counts when its status is "solved", its
-    violation at most MAX_VIOLATION and its cost finite. Returns the columns COSTS, sorted by task and cost: a gait
-    that is absent at a task has no known feasible motion there. Equal costs are ordered by pattern.
+    `solutions` has the scalar columns of a table of solutions, a row a solve. A solve counts when its status is
+    "solved", its violation at most MAX_VIOLATION and its cost finite. Returns the task's columns and COSTS, sorted by
+    task and by `excess`: a gait that is absent at a task has no known feasible motion there.
+
+    `cost` is on the scenario's mesh, `refined_cost` that of the same pattern on a finer one (NaN when unknown), of
+    `refined_knots` a phase. `excess` is the share by which a gait is dearer than the best of its task, 0 for that one.
+    It compares refined costs; a gait without one is taken to be misjudged by its mesh as the cheapest one is.
     """
+    task = task_columns(solutions.columns)
     good = (solutions["status"] == "solved") & (solutions["violation"] <= MAX_VIOLATION)
     rows = solutions[good & np.isfinite(solutions["cost"])].rename(columns={"gait": "gait_key"})
-    names = {key: gait_name(Pattern.from_text(key), leg_names) for key in rows["gait_key"].unique()}
-    rows = rows.assign(gait=rows["gait_key"].map(names).astype(str))
-    rows = rows.sort_values([*TASK, "cost", "pattern"], kind="stable").drop_duplicates([*TASK, "gait_key"])
-    return rows[COSTS].reset_index(drop=True)
+    rows = rows.assign(gait=rows["gait_key"].map(_names(rows["gait_key"].unique(), leg_names)).astype(str))
+    rows = rows.sort_values([*task, "cost", "pattern"], kind="stable")
+    rows = rows.assign(compared=_comparable(rows, task))
+    rows = rows.sort_values([*task, "compared", "cost", "pattern"], kind="stable").drop_duplicates([*task, "gait_key"])
+    best = rows.groupby(task, sort=False)["compared"].transform("first")
+    rows = rows.assign(excess=relative_cost(rows["compared"].to_numpy(), best.to_numpy()))
+    return rows[[*task, *COSTS]].reset_index(drop=True)
 
 
-def label_tasks(costs: pd.DataFrame, tasks: Iterable[Task], tie_tolerance: float) -> pd.DataFrame:
-    """One row a task, in the order given, with the columns LABELS.
+def label_tasks(costs: pd.DataFrame, tasks: Iterable[Task], tie_tolerance: float, knots_per_phase: int) -> pd.DataFrame:
+    """One row a task, in the order given: the task's columns and LABELS. `costs` is what `gait_costs` returns.
 
-    `gait` is the cheapest one, `margin` the relative cost of the runner-up gait over it (inf without one), `ties` the
-    gaits within `tie_tolerance` of the cheapest, that one first. `label`, what is learnt, is one of `ties`: on the
-    grid the one most common among the (up to 8) neighbours, iterated until nothing changes; for a held-out task the
-    one most common at the corners of the grid cell it lies in. Held-out tasks influence no other label. A task with
+    `gait` is the cheapest one and `cost` its cost, `margin` the share by which the runner-up is dearer (inf without
+    one), `ties` the gaits within `tie_tolerance` of the cheapest, that one first. `cost_error` is how far the costs of
+    these two, with `knots_per_phase`, are from those on a finer mesh, as a share, the larger of the two; NaN when
+    either is unknown. `resolved` says whether it is sure which of them is cheaper, or that they tie: the margin exceeds
+    what may be left of either error on the finer mesh, or lies within the tolerance; where an error is unknown it is
+    not, but for an only gait. `label`, what is learnt, is one of `ties`: see `gaitflow.dataset.neighbours`. A task with
     no known feasible gait has the status "infeasible", empty names and NaN for its numbers.
     """
-    known = {key: group for key, group in costs.groupby(TASK, sort=False)}
-    rows = [_row(task, known.get((task.speed, task.cycle_duration, task.split)), tie_tolerance) for task in tasks]
-    labels = pd.DataFrame(rows, columns=LABELS)
-    labels["label"] = _neighbourhood_labels(labels)
+    task_names = task_columns(costs.columns)
+    *axes, _ = task_names
+    known = {key: group for key, group in costs.groupby(task_names, sort=False)}
+    rows = [
+        dict(zip(axes, task.on(axes), strict=True))
+        | {"split": task.split}
+        | _label(known.get((*task.on(axes), task.split)), tie_tolerance, knots_per_phase)
+        for task in tasks
+    ]
+    labels = pd.DataFrame(rows, columns=[*task_names, *LABELS])
+    labels["label"] = neighbourhood_labels(labels)
     return labels
 
 
@@ -64,11 +86,12 @@ def mark_failed(labels: pd.DataFrame, solutions: pd.DataFrame) -> pd.DataFrame:
     A solver that crashed, threw or ran into its limits says nothing about feasibility, and neither does a probe on a
     coarse mesh, a screen by cost, or no row at all. `solutions` as in `gait_costs`.
     """
+    task = task_columns(labels.columns)
     impossible = (solutions["status"] == "screened") & solutions["solver_status"].isin(IMPOSSIBLE)
     verdict = (solutions["status"] == "infeasible") | impossible
-    ruled_out = verdict.groupby([solutions[column] for column in TASK]).all()
+    ruled_out = verdict.groupby([solutions[column] for column in task]).all()
     infeasible = set(ruled_out.index[ruled_out])
-    keys = zip(*(labels[column] for column in TASK), strict=True)
+    keys = zip(*(labels[column] for column in task), strict=True)
     status = [
         "failed" if old == "infeasible" and key not in infeasible else old
         for key, old in zip(keys, labels["status"], strict=True)
@@ -76,70 +99,54 @@ def mark_failed(labels: pd.DataFrame, solutions: pd.DataFrame) -> pd.DataFrame:
     return labels.assign(status=status)
 
 
-def _row(task: Task, group: pd.DataFrame | None, tolerance: float) -> dict[str, object]:
-    row: dict[str, object] = {"speed": task.speed, "cycle_duration": task.cycle_duration, "split": task.split}
-    if group is None:
-        nothing = dict.fromkeys(["gait", "gait_key", "pattern", "runner_up", "label"], "")
-        return row | nothing | {"status": "infeasible", "cost": np.nan, "margin": np.nan, "ties": []}
-    cost = group["cost"].to_numpy()
-    gaits = group["gait"].tolist()
-    excess = relative_cost(cost, cost[0])
-    best = group.iloc[0]
-    return row | {
-        "status": "solved",
-        "gait": best["gait"],
-        "gait_key": best["gait_key"],
-        "pattern": best["pattern"],
-        "cost": float(cost[0]),
-        "margin": float(excess[1]) if len(cost) > 1 else np.inf,
-        "runner_up": gaits[1] if len(cost) > 1 else "",
-        "ties": [gait for gait, more in zip(gaits, excess, strict=True) if more <= tolerance],
-        "label": best["gait"],
-    }
-
-
 def relative_cost(cost: np.ndarray, best: np.ndarray | float) -> np.ndarray:
     """(cost - best) / |best|, elementwise: the share by which a choice is dearer; inf where cost is."""
     return np.asarray((cost - best) / np.maximum(np.abs(best), np.finfo(float).tiny))
 
 
-def _neighbourhood_labels(labels: pd.DataFrame) -> list[str]:
-    speeds, durations = (np.unique(labels.loc[labels["split"] == "grid", axis]) for axis in ("speed", "cycle_duration"))
-    rows = list(zip(labels["speed"], labels["cycle_duration"], labels["split"], strict=True))
-    cells: dict[Cell, int] = {
-        (int(np.searchsorted(speeds, v)), int(np.searchsorted(durations, t))): index
-        for index, (v, t, split) in enumerate(rows)
-        if split == "grid"
+def _label(group: pd.DataFrame | None, tolerance: float, knots: int) -> dict[str, object]:
+    """The columns LABELS of a task whose gaits have these costs, the cheapest first."""
+    if group is None:
+        return _NO_NAMES | _NO_NUMBERS | {"status": "infeasible", "ties": [], "resolved": False}
+    gaits, excess = group["gait"].tolist(), group["excess"].to_numpy()
+    best, first_two = group.iloc[0], group.iloc[:2]
+    margin = float(excess[1]) if len(excess) > 1 else np.inf
+    errors = relative_cost(first_two["cost"].to_numpy(), first_two["refined_cost"].to_numpy())
+    return {
+        "status": "solved",
+        **{name: best[name] for name in ("gait", "gait_key", "pattern", "cost", "refined_cost")},
+        "margin": margin,
+        "runner_up": gaits[1] if len(gaits) > 1 else "",
+        "ties": [gait for gait, more in zip(gaits, excess, strict=True) if more <= tolerance],
+        "cost_error": float(np.abs(errors).max()),  # NaN when either is
+        "resolved": margin == np.inf or _settled(first_two, margin, tolerance, knots),
+        "label": best["gait"],
     }
-    result = labels["label"].tolist()
-    ties = labels["ties"].tolist()
-    on_grid = {cell: result[index] for cell, index in cells.items()}
-    # One task at a time, in a fixed order, and only for a strict majority: each change makes more neighbours agree,
-    # so the sweeps end, and they end the same way every time.
-    changed = True
-    while changed:
-        changed = False
-        for cell in sorted(cells):
-            index = cells[cell]
-            choice = _most_common(on_grid, _around(cell), ties[index], on_grid[cell])
-            changed |= choice != on_grid[cell]
-            on_grid[cell] = choice
-    for cell, index in cells.items():
-        result[index] = on_grid[cell]
-    for index, (v, t, split) in enumerate(rows):
-        if split != "grid":
-            i, j = np.searchsorted(speeds, v), np.searchsorted(durations, t)
-            corners = [(int(i) - di, int(j) - dj) for di in (0, 1) for dj in (0, 1)]
-            result[index] = _most_common(on_grid, corners, ties[index], result[index])
-    return result
 
 
-def _around(cell: Cell) -> list[Cell]:
-    i, j = cell
-    return [(i + di, j + dj) for di in (-1, 0, 1) for dj in (-1, 0, 1) if (di, dj) != (0, 0)]
+def _settled(first_two: pd.DataFrame, margin: float, tolerance: float, knots: int) -> bool:
+    if not (first_two["refined_knots"] > knots).all():
+        return False
+    refined = first_two[["cost", "refined_cost", "refined_knots"]].itertuples(index=False)
+    left = max(error_left(cost, knots, finer, int(mesh)) for cost, finer, mesh in refined)
+    return bool(margin > left or margin <= tolerance)
 
 
-def _most_common(on_grid: Mapping[Cell, str], cells: Iterable[Cell], allowed: Sequence[str], current: str) -> str:
-    votes = Counter(on_grid[cell] for cell in cells if cell in on_grid and on_grid[cell] in allowed)
-    # `allowed` is sorted by cost: among equally common gaits the cheapest, unless the present label is one of them.
-    return max([current, *allowed], key=lambda gait: votes[gait]) if votes else current
+def _comparable(rows: pd.DataFrame, task: list[str]) -> pd.Series:
+    """Costs on one scale a task: on the finer mesh, or what they would be there if the mesh erred as for its best."""
+    refined = rows["refined_cost"].notna()
+    ratio = (rows["refined_cost"] / rows["cost"]).where(rows["cost"] != 0.0, 1.0)
+    # Rows are sorted by cost, and "first" skips what is not known.
+    common = ratio.groupby([rows[column] for column in task]).transform("first").fillna(1.0)
+    return rows["refined_cost"].where(refined, rows["cost"] * common)
+
+
+def _names(keys: Sequence[str], leg_names: Sequence[str]) -> dict[str, str]:
+    """The name of each gait; where a task tells mirror images apart, which share a name, their contacts are in it."""
+    patterns = {key: Pattern.from_text(key) for key in keys}
+    names = {key: gait_name(pattern, leg_names) for key, pattern in patterns.items()}
+    given = list(names.values())
+    return {
+        key: name if given.count(name) == 1 else f"{gait_kind(patterns[key], leg_names)} {key}"
+        for key, name in names.items()
+    }

@@ -20,8 +20,9 @@ from gaitflow.config.scenario import Scenario, digest_of
 from gaitflow.store.units import Unit, solver_version
 
 KEY = b"gaitflow"
-FORMAT = 1
-PACKAGES = ("casadi", "numpy", "pyarrow", "pydantic")
+FORMAT = 2  # 1: tasks were two columns, and the scenario had a terrain
+READ = (1, 2)
+PACKAGES = ("casadi", "qdldl", "numpy", "pyarrow", "pydantic")
 
 
 def unit_record(unit: Unit, solver_options: Mapping[str, Any]) -> dict[str, Any]:
@@ -64,8 +65,11 @@ def read_record(metadata: Mapping[bytes, bytes] | None, source: str) -> dict[str
         kind, number = record["kind"], record["format"]
     except (KeyError, TypeError, ValueError):
         raise ValueError(f"{source}: carries no gaitflow record; it is not one of our files") from None
-    if number != FORMAT or kind not in ("unit", "dataset"):
-        raise ValueError(f"{source}: its record is {kind!r} of format {number!r}; this version reads format {FORMAT}")
+    if number not in READ or kind not in ("unit", "dataset"):
+        raise ValueError(
+            f"{source}: its record is {kind!r} of format {number!r}; this version reads the formats "
+            f"{' and '.join(map(str, READ))}"
+        )
     return dict(record)
 
 

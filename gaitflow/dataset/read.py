@@ -11,9 +11,12 @@ import pandas as pd
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from gaitflow.core.legacy import modern_scenario
+from gaitflow.core.task import Split
 from gaitflow.core.trajectory import Array
+from gaitflow.dataset.older_tables import modern_table
 from gaitflow.dataset.provenance import read_record
-from gaitflow.dataset.schema import SCALARS, table_to_solutions
+from gaitflow.dataset.schema import scalar_columns, table_to_solutions
 from gaitflow.search.solution import Solution
 from gaitflow.store.seal import check_seal
 
@@ -24,10 +27,25 @@ ROWS_AT_ONCE = 256
 
 @dataclass(frozen=True)
 class StoredSolution(Solution):
-    """A `Solution` whose trajectory's arrays are at hand directly; each is None in a row without a trajectory.
+    """A `Solution` whose task and arrays are at hand directly; an array is None in a row without a trajectory.
 
     SI units, terrain frame, ground at z = 0. K steps, nb = 6 (plane) or 12 (space), d = 2 or 3.
     """
+
+    @property
+    def speed(self) -> float:
+        """v [m/s]; any other axis is in `task`, as in `task["slope"]`."""
+        return self.task.speed
+
+    @property
+    def cycle_duration(self) -> float:
+        """T [s]."""
+        return self.task.cycle_duration
+
+    @property
+    def split(self) -> Split:
+        """What the task is for: the training grid or held out."""
+        return self.task.split
 
     @property
     def times(self) -> Array | None:
@@ -46,8 +64,13 @@ class StoredSolution(Solution):
 
     @property
     def forces(self) -> Array | None:
-        """[K, legs, d] contact forces [N], constant over each step."""
+        """[K, legs, d] contact forces [N] at the start of each step."""
         return None if self.trajectory is None else self.trajectory.forces
+
+    @property
+    def end_forces(self) -> Array | None:
+        """[K, legs, d] contact forces [N] at the end of each step, to which they run linearly; equal when held."""
+        return None if self.trajectory is None else self.trajectory.end_forces
 
     @property
     def foot_velocities(self) -> Array | None:
@@ -61,7 +84,7 @@ class StoredSolution(Solution):
 
 
 class Solutions(Sequence[StoredSolution]):
-    """Solutions in the dataset's row order: by split, cycle duration, speed, pattern.
+    """Solutions in the dataset's row order: by split, task (speed fastest), pattern.
 
     `table` is the Arrow table, `record` where it comes from (scenario, code, versions; see dataset/provenance.py).
     """
@@ -81,23 +104,29 @@ class Solutions(Sequence[StoredSolution]):
         if isinstance(index, slice):
             return Solutions(self.table.take(list(range(len(self))[index])), self.record)
         row = range(len(self))[index]
-        return next(_stored(self.table.slice(row, 1)))
+        return next(self._stored(row, 1))
 
     def __iter__(self) -> Iterator[StoredSolution]:
         for start in range(0, len(self), ROWS_AT_ONCE):
-            yield from _stored(self.table.slice(start, ROWS_AT_ONCE))
+            yield from self._stored(start, ROWS_AT_ONCE)
 
     def frame(self) -> pd.DataFrame:
         """The scalar columns as pandas: task, pattern, gait, status, cost, violation, effort; one row a solution."""
-        return self.table.select(list(SCALARS)).to_pandas()
+        return self.table.select(scalar_columns(self.table.column_names)).to_pandas()
+
+    def _stored(self, start: int, count: int) -> Iterator[StoredSolution]:
+        names = [field.name for field in fields(Solution)]
+        for solution in table_to_solutions(self.table.slice(start, count), self.record["scenario"]):
+            yield StoredSolution(**{name: getattr(solution, name) for name in names})
 
 
 def load_solutions(path: str | Path) -> Solutions:
     """Read the solutions of a dataset: a Parquet file, or the folder (of one version) that holds `solutions.parquet`.
 
-    Gives, a solution: task (`speed` m/s, `cycle_duration` s, `split`), `pattern`, `gait`, `status`, `cost`,
-    `violation`, and when a trajectory is kept `times` [K+1], `base` [K+1, nb], `feet` [K+1, legs, d],
-    `forces` [K, legs, d], `durations` [phases]. `.frame()` gives the scalars as pandas.
+    Gives, a solution: task (`speed` m/s, `cycle_duration` s, any axis as in `task["slope"]`, `split`), `pattern`,
+    `gait`, `status`, `cost`, `violation`, and when a trajectory is kept `times` [K+1], `base` [K+1, nb], `feet`
+    [K+1, legs, d], `forces` and `end_forces` [K, legs, d], `durations` [phases]. `.frame()` gives the scalars as
+    pandas. Datasets of all versions are read, and come in today's form.
     Raises FileNotFoundError, and ValueError that names the file when it is damaged or not one of ours.
     """
     file_path = Path(path)
@@ -112,12 +141,9 @@ def load_solutions(path: str | Path) -> Solutions:
             groups = (file.metadata.row_group(i).total_byte_size for i in range(file.metadata.num_row_groups))
             if sum(groups) > MAX_BYTES:
                 raise ValueError(f"{file_path}: unpacks to more than {MAX_BYTES} bytes")
-            return Solutions(file.read(), record)
+            if record["kind"] != "dataset":
+                raise ValueError(f"{file_path}: is one {record['kind']} of a run, not a dataset")
+            record["scenario"] = modern_scenario(record["scenario"])
+            return Solutions(modern_table(file.read(), record["scenario"]), record)
     except pa.ArrowException as error:
         raise ValueError(f"{file_path}: not a readable Parquet file ({error})") from None
-
-
-def _stored(table: pa.Table) -> Iterator[StoredSolution]:
-    names = [field.name for field in fields(Solution)]
-    for solution in table_to_solutions(table):
-        yield StoredSolution(**{name: getattr(solution, name) for name in names})

@@ -71,16 +71,13 @@ def failed_solutions(unit: Unit, attempts: list[Attempt]) -> list[Solution]:
     reasons = list(dict.fromkeys(attempt.reason for attempt in attempts))
     counts = {reason: sum(attempt.reason == reason for attempt in attempts) for reason in reasons}
     text = ", ".join(f"{reason} x{count}" if count > 1 else reason for reason, count in counts.items())
-    strategy, robot = unit.scenario.strategy, unit.scenario.robot
+    scenario, strategy = unit.scenario, unit.scenario.strategy
     pattern = strategy.pattern or ""
-    gait = gait_of(Pattern.from_text(pattern), robot.mirror_permutation).text if pattern else ""
     return [
         Solution(
-            speed=task.speed,
-            cycle_duration=task.cycle_duration,
-            split=task.split,
+            task=task,
             pattern=pattern,
-            gait=gait,
+            gait=gait_of(Pattern.from_text(pattern), scenario.symmetry(task)).text if pattern else "",
             strategy=strategy.name,
             start="",
             seed=unit.seeds[0] if unit.seeds else strategy.seed,

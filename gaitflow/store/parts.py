@@ -24,9 +24,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from gaitflow.config.scenario import digest_of
-from gaitflow.config.tasks import Task
 from gaitflow.dataset.provenance import read_record, unit_record
-from gaitflow.dataset.schema import Sizes, schema_difference, solution_schema, solutions_to_table
+from gaitflow.dataset.schema import schema_difference, solution_schema, solutions_to_table
 from gaitflow.files import TEMPORARY, atomic_write, new_file, publish_once
 from gaitflow.search.solution import Solution
 from gaitflow.store import seal
@@ -79,13 +78,13 @@ class UnitStore:
         Raises WriteError when the disk refuses, ValueError when an array has not the scenario's shape or when the
         solutions are not those of the unit's tasks.
         """
-        given = {Task(row.speed, row.cycle_duration, row.split) for row in solutions}
+        given = {row.task for row in solutions}
         if given != set(unit.tasks):
             odd = sorted(given ^ set(unit.tasks))
             raise ValueError(f"the solver's rows and the unit's tasks differ, for one in {odd[0]}")
         if self.packs.find(unit.digest) is not None:
             return False
-        table = solutions_to_table(solutions, Sizes.of(unit.scenario))
+        table = solutions_to_table(solutions, unit.scenario.as_data())
         try:
             with new_file(self.path(unit.digest), replace=False) as file:
                 seal.write_sealed(file, table.schema, [table], unit_record(unit, solver_options))
@@ -186,7 +185,7 @@ class UnitStore:
         if name != unit.digest or digest_of(record.get("unit")) != unit.digest:
             raise DamagedPart(f"{path}: foreign: it holds the unit {name}, not the one it is named after")
         if unit.problem not in self._schemas:
-            self._schemas[unit.problem] = solution_schema(Sizes.of(unit.scenario))
+            self._schemas[unit.problem] = solution_schema(unit.scenario.as_data())
         difference = schema_difference(file.schema_arrow, self._schemas[unit.problem])
         if difference:
             raise DamagedPart(f"{path}: foreign: {difference}")

@@ -30,9 +30,21 @@ class BrokenSeal(ValueError):
     """A file is truncated, not Parquet, or not the bytes that were sealed."""
 
 
-def write_sealed(file: BinaryIO, schema: pa.Schema, tables: Iterable[pa.Table], record: Mapping[str, Any]) -> None:
-    """Write tables of one schema as one sealed Parquet file with its record (zstd, page checksums)."""
-    writer = pq.ParquetWriter(file, schema, compression="zstd", write_page_checksum=True)
+def write_sealed(
+    file: BinaryIO, schema: pa.Schema, tables: Iterable[pa.Table], record: Mapping[str, Any], level: int | None = None
+) -> None:
+    """Write tables of one schema as one sealed Parquet file with its record (zstd at `level`, page checksums)."""
+    # Numbers of a motion never repeat, but their exponents do: a column of each byte of them is what compresses well.
+    lists = [field.name for field in schema if pa.types.is_list(field.type) or pa.types.is_fixed_size_list(field.type)]
+    writer = pq.ParquetWriter(
+        file,
+        schema,
+        compression="zstd",
+        compression_level=level,
+        use_dictionary=[field.name for field in schema if pa.types.is_string(field.type)],
+        column_encoding={f"{name}.list.element": "BYTE_STREAM_SPLIT" for name in lists},
+        write_page_checksum=True,
+    )
     with writer:
         for table in tables:
             writer.write_table(table)

@@ -14,31 +14,34 @@ import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
-from itertools import groupby
 from pathlib import Path
 from typing import Any
 
 import gaitflow
 from gaitflow.config.file import ConfigError
 from gaitflow.config.scenario import Scenario
-from gaitflow.config.tasks import Split, Task, tasks_of
+from gaitflow.config.tasks import tasks_of
+from gaitflow.core.task import AXES, SPLITS, Split, Task
 
 RESTARTS_PER_UNIT = 5  # Bonmin runs of one task that are solved together
 SOLVER_SOURCES = (
-    "problem/*.py", "solvers/*.py", "search/*.py", "core/check.py", "core/gaits.py", "core/trajectory.py",
-    "config/scenario.py", "config/robot.py",
+    "problem/*.py", "solvers/*.py", "search/*.py", "config/axes.py", "config/scenario.py", "config/robot.py",
+    "core/check.py", "core/continuous.py", "core/gaits.py", "core/layout.py", "core/mesh_error.py",
+    "core/rigid_body.py", "core/task.py", "core/task_space.py", "core/trajectory.py", "core/twist.py",
 )  # fmt: skip
 _ENCODER = json.JSONEncoder(sort_keys=True, separators=(",", ":"), allow_nan=False)  # as `scenario.digest_of` has it
-PROBLEM_FIELDS = ("robot", "terrain", "objective", "transcription", "stances_per_leg")
 
 
 @dataclass(frozen=True)
 class Unit:
     """One slice of work, of plain JSON data. Equal units have equal digests.
 
-    problem: robot, terrain, objective, transcription, stances_per_leg. strategy: its settings that a solve depends on.
-    tasks: a chain, for the grid of one T and rising speed. seeds: the restarts of this slice, None when the strategy
-    seeds itself. solver: {"code": digest of the solving code, "casadi": version}.
+    problem: `Scenario.problem_data`. strategy: its settings that a solve depends on. tasks: a chain, for the grid of
+    rising speed at one value of all other axes. seeds: the restarts of this slice, None when the strategy seeds
+    itself. solver: {"code": digest of the solving code, "casadi": version}.
+
+    In JSON a task has its values on the problem's `axes` and its split; on any other axis it has the default. So an
+    axis that is added to the register changes no unit of a scenario that does not use it.
     """
 
     problem: str  # canonical JSON (so are strategy, solver), so that a unit is hashable and immutable
@@ -52,7 +55,7 @@ class Unit:
         return {
             "problem": json.loads(self.problem),
             "strategy": json.loads(self.strategy),
-            "tasks": [[task.speed, task.cycle_duration, task.split] for task in self.tasks],
+            "tasks": self._task_data(),
             "seeds": None if self.seeds is None else list(self.seeds),
             "solver": json.loads(self.solver),
         }
@@ -61,22 +64,22 @@ class Unit:
     def from_data(cls, data: Mapping[str, Any]) -> Unit:
         """Rebuild a unit. Raises ValueError when a part is missing or of another kind."""
         try:
-            seeds = data["seeds"]
+            seeds, problem = data["seeds"], _canonical(data["problem"])
             return cls(
-                problem=_canonical(data["problem"]),
+                problem=problem,
                 strategy=_canonical(data["strategy"]),
-                tasks=tuple(Task(float(v), float(t), _split(split)) for v, t, split in data["tasks"]),
+                tasks=tuple(_task(task, _axes(problem)) for task in data["tasks"]),
                 seeds=None if seeds is None else tuple(int(seed) for seed in seeds),
                 solver=_canonical(data["solver"]),
             )
-        except (KeyError, TypeError) as error:
+        except (KeyError, TypeError, ValueError) as error:
             raise ValueError(f"not a unit of work: {error!r}") from None
 
     @functools.cached_property
     def digest(self) -> str:
         """SHA-256 of the canonical JSON of `as_data`, hexadecimal: its name in the store."""
         # Put together from the texts at hand: parsing the problem again for each of 10^5 units takes most of a plan.
-        seeds, tasks = _canonical(self.seeds), _canonical([[t.speed, t.cycle_duration, t.split] for t in self.tasks])
+        seeds, tasks = _canonical(self.seeds), _canonical(self._task_data())
         text = (
             f'{{"problem":{self.problem},"seeds":{seeds},"solver":{self.solver},'
             f'"strategy":{self.strategy},"tasks":{tasks}}}'
@@ -85,28 +88,36 @@ class Unit:
 
     @functools.cached_property
     def scenario(self) -> Scenario:
-        """The scenario to solve: this unit's problem and strategy; its grid is the first task, its name the digest."""
-        first, data = self.tasks[0], self.as_data()
-        grid = {
-            "speed": {"start": first.speed, "stop": first.speed, "count": 1},
-            "cycle_duration": {"start": first.cycle_duration, "stop": first.cycle_duration, "count": 1},
-        }
+        """The scenario to solve: this unit's problem and strategy; its grid is the first task, its name the digest.
+
+        Raises ValueError when they make none.
+        """
+        data, first = self.as_data(), self.tasks[0]
+        problem = {key: value for key, value in data["problem"].items() if key != "axes"}
+        # A range of one value says that the axis is one of the problem's parameters, whatever its value is here.
+        axes = {axis: {"start": first[axis], "stop": first[axis], "count": 1} for axis in _axes(self.problem)}
         name = f"unit-{self.digest[:12]}"
-        settings = {"name": name, "tasks": grid, "strategy": data["strategy"], **data["problem"]}
         try:
-            return Scenario.from_data(settings, name)
+            return Scenario.from_data(
+                {"name": name, "tasks": {"axes": axes}, "strategy": data["strategy"], **problem}, name
+            )
         except ConfigError as error:
             raise ValueError(f"not a unit of work: {error}") from None
+
+    def _task_data(self) -> list[dict[str, Any]]:
+        axes = _axes(self.problem)
+        return [{axis: task[axis] for axis in axes} | {"split": task.split} for task in self.tasks]
 
 
 def plan_units(scenario: Scenario) -> tuple[Unit, ...]:
     """Cut a scenario into units, in the order of its tasks; every task (and restart seed) is in exactly one.
 
-    `patterns` and `fixed_gait`: chains of `tasks_per_unit` neighbouring speeds at one T, so that a task starts from
-    its neighbour's solution; held-out tasks in chains sorted by (T, v). `bonmin`: one task and 5 restarts, with the
-    seeds strategy.seed, seed + 1, ..., so that asking for more restarts keeps the units solved before.
+    All but `bonmin`: chains of `tasks_per_unit` neighbouring speeds at one value of every other axis, so that a task
+    starts from its neighbour's solution (where the speed is fixed, neighbours on the first axis with a range);
+    held-out tasks in chains as they are sorted. `bonmin`: one task and 5 restarts, with the seeds strategy.seed,
+    seed + 1, ..., so that asking for more restarts keeps the units solved before.
     """
-    problem = _problem_data(scenario)
+    problem = _canonical(scenario.problem_data)
     strategy = scenario.strategy.model_dump(mode="json", exclude={"tasks_per_unit"})
     solver = _canonical(solver_version())
     if scenario.strategy.name == "bonmin":
@@ -123,7 +134,8 @@ def plan_units(scenario: Scenario) -> tuple[Unit, ...]:
             for seeds in slices
         )
     text = _canonical(strategy)
-    chains = _chains(tasks_of(scenario), scenario.strategy.tasks_per_unit)
+    along = next(iter(scenario.tasks.ranges))
+    chains = _chains(tasks_of(scenario), along, scenario.strategy.tasks_per_unit)
     return tuple(Unit(problem, text, chain, None, solver) for chain in chains)
 
 
@@ -132,7 +144,7 @@ def plan_exhaustive(scenario: Scenario, incumbents: Mapping[Task, float], parts:
 
     `incumbents` gives the unscaled cost of a known motion a task, `parts` how many units a task is cut into.
     """
-    problem, solver = _problem_data(scenario), _canonical(solver_version())
+    problem, solver = _canonical(scenario.problem_data), _canonical(solver_version())
     own = scenario.strategy.model_dump(mode="json", exclude={"tasks_per_unit"})
     strategy = own | {"name": "patterns", "pattern": None}
     return tuple(
@@ -172,19 +184,14 @@ def source_digest(sources: Mapping[str, str]) -> str:
     return total.hexdigest()
 
 
-def _problem_data(scenario: Scenario) -> str:
-    data = {field: scenario.as_data()[field] for field in PROBLEM_FIELDS}
-    data["robot"] = {key: value for key, value in data["robot"].items() if key != "source"}  # prose, not physics
-    return _canonical(data)
-
-
-def _chains(tasks: Sequence[Task], length: int) -> Iterator[tuple[Task, ...]]:
-    def group(task: Task) -> tuple[str, float]:
-        return task.split, task.cycle_duration if task.split == "grid" else 0.0
-
-    for _, members in groupby(tasks, key=group):
-        chain = tuple(members)
-        yield from (chain[i : i + length] for i in range(0, len(chain), length))
+def _chains(tasks: Sequence[Task], along: str, length: int) -> Iterator[tuple[Task, ...]]:
+    """Tasks that differ on the axis `along` only, `length` at most; of those held out, in their order."""
+    chains: dict[tuple[float, ...], list[Task]] = {}
+    for task in tasks:
+        others = task.on(axis for axis in AXES if axis != along) if task.split == "grid" else ()
+        chains.setdefault(others, []).append(task)
+    for chain in chains.values():
+        yield from (tuple(chain[i : i + length]) for i in range(0, len(chain), length))
 
 
 def _seed_slices(first: int, count: int) -> Iterable[tuple[int, ...]]:
@@ -196,7 +203,23 @@ def _canonical(data: Any) -> str:
     return _ENCODER.encode(data)
 
 
+@functools.lru_cache(maxsize=64)
+def _axes(problem: str) -> tuple[str, ...]:
+    """The axes of a problem, given its JSON: units of one scenario share that text, and there may be 10^5 of them."""
+    axes = json.loads(problem)["axes"]
+    if not isinstance(axes, list) or not all(axis in AXES for axis in axes) or len(set(axes)) < len(axes):
+        raise ValueError("the problem's axes are not among those of a task")
+    return tuple(axes)
+
+
+def _task(data: Mapping[str, Any], axes: Sequence[str]) -> Task:
+    if set(data) != {*axes, "split"}:
+        raise ValueError(f"a task has {sorted(data)}, expected {[*axes, 'split']}")
+    return Task.of({axis: float(data[axis]) for axis in axes}, _split(data["split"]))
+
+
 def _split(text: Any) -> Split:
-    if text == "grid" or text == "held_out":
-        return text
-    raise ValueError(f"not a unit of work: split {text!r}; allowed are grid, held_out")
+    if text not in SPLITS:
+        raise ValueError(f"split {text!r}; allowed are {', '.join(SPLITS)}")
+    split: Split = text
+    return split

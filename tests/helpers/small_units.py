@@ -68,6 +68,8 @@ def solutions_of(unit: Unit) -> list[Solution]:
                 status="solved",
                 solver_status="Solve_Succeeded",
                 cost=100.0 * task.speed + i,
+                refined_cost=99.0 * task.speed + i,
+                refined_knots=4,
                 violation=1e-9,
                 iterations=20,
                 solves=1,
@@ -77,9 +79,8 @@ def solutions_of(unit: Unit) -> list[Solution]:
                 multipliers=Multipliers(generator.normal(size=9), generator.normal(size=7)),
             )
             if i == 2:
-                row = replace(
-                    row, status="infeasible", cost=math.nan, violation=math.nan, trajectory=None, multipliers=None
-                )
+                nothing = dict.fromkeys(("cost", "refined_cost", "violation"), math.nan)
+                row = replace(row, status="infeasible", **nothing, refined_knots=0, trajectory=None, multipliers=None)
             rows.append(row)
     return rows
 

@@ -11,7 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from gaitflow.dataset.provenance import read_record
-from gaitflow.dataset.schema import Sizes, solutions_to_table, table_to_solutions
+from gaitflow.dataset.schema import solutions_to_table, table_to_solutions
 from gaitflow.files import WriteError
 from gaitflow.search.solution import Solution
 from gaitflow.store.parts import DamagedPart, UnitStore
@@ -30,7 +30,7 @@ def test_what_is_written_is_listed_and_read(store: UnitStore, units: tuple[Unit,
     assert store.solved() == frozenset() and not store.has(units[0])
     assert store.write(units[0], make_solutions(units[0]), OPTIONS)
     assert store.solved() == {units[0].digest} and store.has(units[0])
-    costs = [row.cost for row in table_to_solutions(store.read(units[0]))]
+    costs = [row.cost for row in table_to_solutions(store.read(units[0]), units[0].scenario.as_data())]
     assert repr(costs) == repr([row.cost for row in make_solutions(units[0])])
 
 
@@ -107,7 +107,7 @@ def test_a_part_of_another_schema_is_foreign(store: UnitStore, units: tuple[Unit
     store.write(unit, make_solutions(unit), OPTIONS)
     part = store.path(unit.digest)
     record = read_record(pq.read_metadata(part).metadata, "part")
-    table = solutions_to_table(make_solutions(unit), Sizes.of(unit.scenario)).drop_columns(["violation"])
+    table = solutions_to_table(make_solutions(unit), unit.scenario.as_data()).drop_columns(["violation"])
     part.unlink()
     with open(part, "xb+") as file:
         write_sealed(file, table.schema, [table], record)

@@ -1,0 +1,28 @@
+"""Tables as they were before tasks had axes and costs had an error, in today's form."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from gaitflow.dataset.schema import solution_schema
+
+ADDED = {"refined_cost": np.nan, "refined_knots": 0}  # columns of today, and what they say of an older solution
+
+
+def modern_table(table: pa.Table, scenario: Mapping[str, Any]) -> pa.Table:
+    """A table of solutions with all columns of today; one that has them comes back as it is.
+
+    `scenario` is its scenario's JSON data in today's form. Older tables know no cost on a finer mesh. Their forces were
+    held over a step, so no column is missing for those. What else a table lacks is left to the reader to refuse.
+    """
+    if not set(ADDED).isdisjoint(table.column_names):
+        return table
+    schema = solution_schema(scenario)
+    for name, value in ADDED.items():
+        table = table.append_column(name, pa.array(np.full(len(table), value), schema.field(name).type))
+    known = [name for name in schema.names if name in table.column_names]
+    return table.select(known)
