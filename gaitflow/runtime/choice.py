@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -13,37 +13,47 @@ from gaitflow.runtime.tensors import WarmStart
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """The gait for one task (speed m/s, cycle duration s).
+    """The gait for one task: `task` has speed [m/s], cycle_duration [s] and the map's other ranged axes.
 
-    `gait` is the name of the likeliest gait, `pattern` its contacts (a row of 0 swing, 1 stance a leg, joined by "/"),
-    `probability` the classifier's, calibrated; `ranked` all gaits with their probabilities, likeliest first. Outside
-    the map's domain `in_domain` is False, and unless it was asked for all the same `gait` and `pattern` are None,
-    `probability` is 0 and `ranked` is empty.
+    `gait` is the name of the gait that the atlas predicts to cost least, the likeliest by the classifier where the
+    atlas knows none; `pattern` its contacts (a row of 0 swing, 1 stance a leg, joined by "/"); `probability` the
+    classifier's for it, calibrated. `ranked` are all gaits with their probabilities in the order in which `plan` tries
+    them: by predicted cost, then those that the atlas does not know there by probability. Outside the map's domain
+    `in_domain` is False, and unless it was asked for all the same `gait` and `pattern` are None, `probability` is 0 and
+    `ranked` is empty.
     """
 
-    speed: float
-    cycle_duration: float
+    task: Mapping[str, float]
     in_domain: bool
     gait: str | None
     pattern: str | None
     probability: float
     ranked: tuple[tuple[str, float], ...]
-    _warm_start: Callable[[str, float, float], WarmStart] = field(repr=False, compare=False)
-    _distance: Callable[[float, float], float] = field(repr=False, compare=False)
+    _warm_start: Callable[[str, Mapping[str, float]], WarmStart] = field(repr=False, compare=False)
+    _distance: Callable[[Mapping[str, float]], float] = field(repr=False, compare=False)
+
+    @property
+    def speed(self) -> float:
+        """v [m/s]."""
+        return self.task["speed"]
+
+    @property
+    def cycle_duration(self) -> float:
+        """T [s]."""
+        return self.task["cycle_duration"]
 
     @property
     def warm_start(self) -> WarmStart | None:
         """Where to start an optimiser for this gait and task, predicted by the atlas; made on each call.
 
-        The mean of the gait's region where the atlas does not know the gait; None without a gait. Raises ArtifactError
-        when the atlas is damaged.
+        The mean of the gait's region where the atlas does not know the gait; None without a gait.
         """
-        return None if self.gait is None else self._warm_start(self.gait, self.speed, self.cycle_duration)
+        return None if self.gait is None else self._warm_start(self.gait, self.task)
 
     @property
     def distance(self) -> float:
         """To the nearest task that the map was trained on, in steps of its grid: at most 0.71 amid four of them."""
-        return self._distance(self.speed, self.cycle_duration)
+        return self._distance(self.task)
 
 
 @dataclass(frozen=True)

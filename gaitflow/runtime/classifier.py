@@ -12,13 +12,13 @@ OUTPUT = "probability"
 
 
 class Classifier:
-    """A loaded graph: one float32 input [N, 2] of (speed m/s, cycle duration s), output `probability` [N, G].
+    """A loaded graph: one float32 input [N, a], the map's ranged axes in their order, output `probability` [N, G].
 
     Given as bytes, so that a graph cannot name other files for its weights. Safe to call from many threads.
     Raises ArtifactError when the graph does not load or has other inputs or outputs.
     """
 
-    def __init__(self, content: bytes, gaits: int, where: str) -> None:
+    def __init__(self, content: bytes, axes: int, gaits: int, where: str) -> None:
         options = ort.SessionOptions()
         # A query is a few microseconds of work: waking threads costs more than they save.
         options.intra_op_num_threads = 1
@@ -34,10 +34,10 @@ class Classifier:
         self._input = inputs[0].name
         self._where = where
         for rows in (1, 3):
-            self._check_shape(self(np.ones((rows, 2), dtype=np.float32)), (rows, gaits))
+            self._check_shape(self(np.ones((rows, axes), dtype=np.float32)), (rows, gaits))
 
     def __call__(self, tasks: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Probabilities [N, G] of tasks [N, 2]."""
+        """Probabilities [N, G] of tasks [N, a]."""
         try:
             result: NDArray[np.float32] = self._session.run([OUTPUT], {self._input: tasks})[0]
         except Exception as error:

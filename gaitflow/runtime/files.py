@@ -13,18 +13,22 @@ from gaitflow.core.errors import ArtifactError
 MANIFEST = "manifest.json"
 CARD = "README.md"
 CLASSIFIER = "classifier.onnx"
-PROBLEM = "problem.casadi"
 WARM_STARTS = "warmstarts.safetensors"
 ATLAS = "atlas.safetensors"
+PROBLEM_CHECK = "problem_check.safetensors"
+PROBLEM = "problem.casadi"  # of formats 1 and 2
+
+CONTENT = (CARD, CLASSIFIER, WARM_STARTS, ATLAS, PROBLEM_CHECK)  # every file of an artifact but the manifest
 
 # Largest size of each file [bytes]: far above what a map needs, far below what a machine has.
 LIMITS = {
     MANIFEST: 8_000_000,
     CARD: 1_000_000,
     CLASSIFIER: 64_000_000,
-    PROBLEM: 128_000_000,
     WARM_STARTS: 512_000_000,
     ATLAS: 512_000_000,
+    PROBLEM_CHECK: 64_000_000,
+    PROBLEM: 128_000_000,
 }
 
 

@@ -2,133 +2,153 @@
 
 from __future__ import annotations
 
-import math
 import threading
 import time
-from numbers import Real
+from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from gaitflow.core.errors import OutOfDomain
 from gaitflow.core.trajectory import Array
-from gaitflow.runtime.atlas import Atlas, parse_atlas
+from gaitflow.runtime.artifact import Artifact, load_artifact
 from gaitflow.runtime.choice import Choice, Choices
-from gaitflow.runtime.classifier import Classifier
-from gaitflow.runtime.files import ATLAS, CLASSIFIER, WARM_STARTS, read_checked
-from gaitflow.runtime.manifest import Gait, Manifest, read_manifest
+from gaitflow.runtime.manifest import Gait, Manifest
 from gaitflow.runtime.plan import Asked, Plan, refine_ranked
 from gaitflow.runtime.problem import Problem
+from gaitflow.runtime.questions import Questions
 from gaitflow.runtime.refine import Candidate, Refiner
-from gaitflow.runtime.tensors import GaitTensors, WarmStart, parse_tensors, warm_start
+from gaitflow.runtime.tensors import WarmStart, warm_start
 from gaitflow.runtime.versions import resolve
 
-FARTHEST = 1e6  # m/s, s: of a task beyond the domain, what the classifier's float32 can take
+FARTHEST = 1e6  # in an axis' unit: of a task beyond the domain, what the classifier's float32 can take
 
 
 class GaitMap:
-    """A published map from task (speed m/s, cycle duration s) to gait. Build it with `GaitMap.load`.
+    """A published map from tasks to gaits. Build it with `GaitMap.load`.
+
+    A task is asked for by the values on the map's axes: speed [m/s] and cycle_duration [s], also by position, and what
+    other axes the map ranges over (`axes`), by name. An axis that the map holds at one value may be given with it.
 
     Immutable and safe to use from many threads, each of which gets a solver of its own.
     """
 
-    def __init__(self, folder: Path, manifest: Manifest, classifier: Classifier, tensors: GaitTensors) -> None:
-        self._folder = folder
-        self._manifest = manifest
-        self._classifier = classifier
-        self._tensors = tensors
+    def __init__(self, artifact: Artifact, trust_code: bool = False) -> None:
+        self._artifact = artifact
+        self._trust_code = trust_code
+        manifest = artifact.manifest
         self._names = tuple(gait.name for gait in manifest.gaits)
-        self._building = threading.RLock()
+        self._questions = Questions(manifest.space)
+        self._building = threading.Lock()
         self._of_thread = threading.local()
-        self._loaded_atlas: Atlas | None = None
         self._problem: Problem | None = None
 
     @classmethod
-    def load(cls, path: str | PathLike[str]) -> GaitMap:
+    def load(cls, path: str | PathLike[str], trust_code: bool = False) -> GaitMap:
         """Load `models/<scenario>/<version>`, or the newest version in `models/<scenario>`.
 
-        The digests of the classifier and the mean starts are checked; the atlas' and the problem's when the first warm
-        start is asked for and the first plan is made.
-        Raises ArtifactError that names the file and what is wrong with it.
+        The digest of every file that is read is checked. Maps of formats 1 and 2 hold their problem as code, which
+        plans only with `trust_code`: it runs in this process. Raises ArtifactError that names the file and what is
+        wrong with it.
         """
-        folder = resolve(Path(path))
-        manifest = read_manifest(folder)
-        gaits, files = len(manifest.gaits), manifest.files
-        classifier = Classifier(read_checked(folder, CLASSIFIER, files[CLASSIFIER]), gaits, str(folder / CLASSIFIER))
-        content = read_checked(folder, WARM_STARTS, files[WARM_STARTS])
-        tensors = parse_tensors(content, gaits, manifest.layout, str(folder / WARM_STARTS))
-        return cls(folder, manifest, classifier, tensors)
+        return cls(load_artifact(resolve(Path(path))), trust_code)
 
     @property
     def manifest(self) -> Manifest:
         """What the artifact says of itself: scenario, version, domain, metrics."""
-        return self._manifest
+        return self._artifact.manifest
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """The axes that the map ranges over."""
+        return self.manifest.space.ranged
 
     @property
     def gaits(self) -> tuple[Gait, ...]:
         """The gaits that the map chooses from, in the order of `Choices.index`."""
-        return self._manifest.gaits
+        return self.manifest.gaits
 
-    def select(self, speed: float, cycle_duration: float, beyond: bool = False) -> Choice:
-        """The gait for one task (m/s, s). Raises ValueError for an argument that is no finite number.
+    def select(
+        self,
+        speed: float | None = None,
+        cycle_duration: float | None = None,
+        *,
+        beyond: bool = False,
+        **axes: float,
+    ) -> Choice:
+        """The gait for one task: the one that the atlas predicts to cost least, which `plan` tries first.
 
-        Outside the map's domain it says nothing, unless `beyond` asks for the classifier's guess all the same.
+        Where the atlas knows no gait it is the classifier's likeliest. Outside the map's domain it says nothing, unless
+        `beyond` asks for a guess all the same. Raises ValueError for an argument that is no finite number, and for an
+        axis that the map does not have or that is missing.
         """
-        speed, cycle_duration = _finite("speed", speed), _finite("cycle_duration", cycle_duration)
-        inside = self._manifest.domain.contains(speed, cycle_duration)
-        if not inside and (not beyond or cycle_duration <= 0):
-            return Choice(speed, cycle_duration, False, None, None, 0.0, (), self._warm_start, self._distance)
-        probabilities = self._probabilities(speed, cycle_duration)
-        names = self._names
-        ranked = tuple([(names[index], probabilities[index]) for index in _ranking(probabilities)])
+        task = self._questions.one(speed, cycle_duration, axes)
+        inside = self.manifest.domain.contains(task)
+        if not inside and not (beyond and self._questions.physical(task)):
+            return Choice(task, False, None, None, 0.0, (), self._warm_start, self._distance)
+        place = self._place(task)
+        probabilities = self._probabilities(place)
+        candidates = self._candidates(place, probabilities)
+        first = candidates[0]
+        ranked = tuple([(self._names[each.gait], probabilities[each.gait]) for each in candidates])
         gait, probability = ranked[0]
-        pattern = self._manifest.gaits[names.index(gait)].pattern
-        return Choice(
-            speed, cycle_duration, inside, gait, pattern, probability, ranked, self._warm_start, self._distance
-        )
+        pattern = self._artifact.pattern(first.gait, first.sheet)
+        return Choice(task, inside, gait, pattern, probability, ranked, self._warm_start, self._distance)
 
-    def select_many(self, speeds: ArrayLike, cycle_durations: ArrayLike) -> Choices:
-        """The gaits for arrays of tasks (m/s, s) that broadcast against each other.
+    def select_many(
+        self, speed: ArrayLike | None = None, cycle_duration: ArrayLike | None = None, **axes: ArrayLike
+    ) -> Choices:
+        """`select` for arrays of tasks that broadcast against each other.
 
-        Raises ValueError for a value that is no finite number and for shapes that do not broadcast.
+        Raises ValueError as `select` does, and for shapes that do not broadcast.
         """
-        v, t = np.broadcast_arrays(_all_finite("speeds", speeds), _all_finite("cycle_durations", cycle_durations))
-        inside = self._manifest.domain.contains_many(v, t)
-        index = np.full(v.shape, -1, dtype=np.intp)
-        probability = np.zeros(v.shape)
-        if inside.any():
-            rows = self._classifier(np.stack([v[inside], t[inside]], axis=1).astype(np.float32))
-            index[inside] = rows.argmax(axis=1)
-            probability[inside] = rows.max(axis=1)
-        gaits = np.empty(v.shape, dtype=object)
+        tasks = self._questions.many(speed, cycle_duration, axes)
+        inside = self.manifest.domain.contains_many(tasks)
+        places = np.stack([tasks[axis][inside] for axis in self.axes], axis=-1)
+        index = np.full(inside.shape, -1, dtype=np.intp)
+        probability = np.zeros(inside.shape)
+        if len(places):
+            rows = self._artifact.classifier(places.astype(np.float32)).astype(np.float64)
+            chosen = [self._candidates(place, row)[0].gait for place, row in zip(places, rows.tolist(), strict=True)]
+            index[inside] = chosen
+            probability[inside] = rows[np.arange(len(rows)), chosen]
+        gaits = np.empty(inside.shape, dtype=object)
         gaits[...] = np.array([*self._names, None], dtype=object)[index]
         return Choices(gaits, index, probability, inside)
 
-    def plan(self, speed: float, cycle_duration: float, top: int = 3, beyond: bool = False) -> Plan:
-        """A motion for one task (m/s, s), refined from a predicted start; needs gaitflow[solve].
+    def plan(
+        self,
+        speed: float | None = None,
+        cycle_duration: float | None = None,
+        *,
+        top: int = 3,
+        beyond: bool = False,
+        **axes: float,
+    ) -> Plan:
+        """A motion for one task, refined from a predicted start; needs gaitflow[solve].
 
-        Tried first is the gait that the atlas predicts to cost least; gaits that it does not know at this task follow
-        by their probability. If one does not refine to a feasible motion the next is tried, `top` gaits at most, and
-        the plan says so. `beyond` plans outside the map's domain, too: what comes out is checked all the same, and a
-        plan that is not feasible says so. Raises OutOfDomain outside the domain otherwise, ValueError for an argument
-        that is no finite number, ImportError without CasADi, ArtifactError when a file of the artifact is damaged.
+        Tried first is the gait that `select` names; gaits that the atlas does not know at this task come last, by their
+        probability. If one does not refine to a feasible motion the next is tried, `top` gaits at most, and the plan
+        says so. `beyond` plans outside the map's domain, too: what comes out is checked all the same, and a plan that
+        is not feasible says so. Raises OutOfDomain outside the domain otherwise, and for a task that is not physical;
+        ValueError as `select`; ImportError without CasADi; ArtifactError when the map's problem cannot be had.
         """
         started = time.perf_counter()
-        speed, cycle_duration = _finite("speed", speed), _finite("cycle_duration", cycle_duration)
         if isinstance(top, bool) or not isinstance(top, int) or top < 1:
             raise ValueError(f"top = {top!r}: must be a number of gaits to try, 1 or more")
-        domain = self._manifest.domain
-        inside = domain.contains(speed, cycle_duration)
-        if not inside and (not beyond or cycle_duration <= 0):
-            raise OutOfDomain(domain.explain(speed, cycle_duration))
+        values, domain = self._questions.one(speed, cycle_duration, axes), self.manifest.domain
+        inside = domain.contains(values)
+        if not inside and not (beyond and self._questions.physical(values)):
+            raise OutOfDomain(domain.explain(values))
         refiner = self._refiner()
-        probabilities = self._probabilities(speed, cycle_duration)
-        candidates = self._candidates(probabilities, speed, cycle_duration)[:top]
-        ranked = [(each, self._manifest.gaits[each.gait], probabilities[each.gait]) for each in candidates]
-        asked = Asked(speed, cycle_duration, inside, domain.distance(speed, cycle_duration), started)
-        return refine_ranked(refiner, ranked, asked)
+        place = self._place(values)
+        probabilities = self._probabilities(place)
+        candidates = self._candidates(place, probabilities)[:top]
+        ranked = [(each, self.manifest.gaits[each.gait], probabilities[each.gait]) for each in candidates]
+        task = self.manifest.space.task({axis: values[axis] for axis in self.axes})
+        return refine_ranked(refiner, ranked, Asked(task, values, inside, domain.distance(values), started))
 
     def mean_start(self, gait: str, cycle_duration: float) -> WarmStart:
         """The paper's warm start of a gait: the mean over its region, scaled to the cycle duration [s].
@@ -137,95 +157,50 @@ class GaitMap:
         """
         if gait not in self._names:
             raise ValueError(f"gait = {gait!r}: the map has {', '.join(self._names)}")
-        index = self._names.index(gait)
-        return self._unpacked(index, self._manifest.gaits[index].pattern, self._tensors.mean(index), cycle_duration)
+        index, manifest = self._names.index(gait), self.manifest
+        vectors, task = self._artifact.tensors.mean(index), {"cycle_duration": cycle_duration}
+        return warm_start(manifest.layout, gait, manifest.gaits[index].pattern, vectors, task)
 
-    def _probabilities(self, speed: float, cycle_duration: float) -> list[float]:
-        task = np.clip([[speed, cycle_duration]], -FARTHEST, FARTHEST).astype(np.float32)
-        probabilities: list[float] = self._classifier(task)[0].tolist()
-        return probabilities
+    def _place(self, task: Mapping[str, float]) -> Array:
+        return np.array([task[axis] for axis in self.axes])
 
-    def _candidates(self, probabilities: list[float], speed: float, cycle_duration: float) -> list[Candidate]:
-        """Gaits of known cost, cheapest first, each by its cheapest sheet; then the others, likeliest first."""
-        atlas = self._atlas()
-        known = [Candidate(atlas.sheets[sheet].gait, sheet) for sheet in atlas.ranked(speed, cycle_duration)]
+    def _probabilities(self, place: Array) -> list[float]:
+        far = np.clip(place, -FARTHEST, FARTHEST).astype(np.float32)
+        row: list[float] = self._artifact.classifier(far[None, :])[0].tolist()
+        return row
+
+    def _candidates(self, place: Array, probabilities: list[float]) -> list[Candidate]:
+        """Every gait once, in the order in which it is chosen and tried.
+
+        Gaits that the atlas knows by predicted cost, its believed ones first; then the others by probability.
+        """
+        atlas = self._artifact.atlas
+        known = [Candidate(atlas.sheets[sheet].gait, sheet) for sheet in atlas.ranked(place)]
         gaits = {each.gait for each in known}
-        return known + [Candidate(gait, None) for gait in _ranking(probabilities) if gait not in gaits]
+        likeliest = sorted(range(len(probabilities)), key=probabilities.__getitem__, reverse=True)
+        return known + [Candidate(gait, None) for gait in likeliest if gait not in gaits]
 
     def _refiner(self) -> Refiner:
         refiner: Refiner | None = getattr(self._of_thread, "refiner", None)
         if refiner is None:
-            atlas = self._atlas()
+            artifact = self._artifact
             with self._building:
                 if self._problem is None:
-                    self._problem = Problem(self._folder, self._manifest)
-                refiner = Refiner(self._problem, self._manifest, self._tensors, atlas)
+                    rows = artifact.tensors.rows
+                    self._problem = Problem(artifact.folder, artifact.manifest, rows, self._trust_code)
+                refiner = Refiner(self._problem, artifact.manifest, artifact.tensors, artifact.atlas)
             self._of_thread.refiner = refiner
         return refiner
 
-    def _atlas(self) -> Atlas:
-        if self._loaded_atlas is None:
-            with self._building:
-                if self._loaded_atlas is None:
-                    self._loaded_atlas = load_atlas(self._folder, self._manifest)
-        return self._loaded_atlas
-
-    def _warm_start(self, gait: str, speed: float, cycle_duration: float) -> WarmStart:
-        index, atlas = self._names.index(gait), self._atlas()
-        own = [sheet for sheet in atlas.ranked(speed, cycle_duration) if atlas.sheets[sheet].gait == index]
-        predicted = atlas.predict(own[0], speed, cycle_duration) if own else None
+    def _warm_start(self, gait: str, task: Mapping[str, float]) -> WarmStart:
+        index, atlas, place = self._names.index(gait), self._artifact.atlas, self._place(task)
+        own = [sheet for sheet in atlas.ranked(place) if atlas.sheets[sheet].gait == index]
+        predicted = atlas.predict(own[0], place) if own else None
         if predicted is None:
-            return self.mean_start(gait, cycle_duration)
+            return self.mean_start(gait, task["cycle_duration"])
         sheet = atlas.sheets[own[0]]
         vectors = sheet.space.join(sheet.space.decode(predicted.point), predicted.cost)
-        return self._unpacked(index, sheet.pattern, vectors, cycle_duration)
+        return warm_start(self.manifest.layout, gait, sheet.pattern, vectors, task)
 
-    def _unpacked(
-        self, gait: int, pattern: str, vectors: tuple[Array, Array, Array], cycle_duration: float
-    ) -> WarmStart:
-        manifest = self._manifest
-        return warm_start(
-            manifest.layout, self._tensors.scale, manifest.gaits[gait].name, pattern, vectors, cycle_duration
-        )
-
-    def _distance(self, speed: float, cycle_duration: float) -> float:
-        return self._manifest.domain.distance(speed, cycle_duration)
-
-
-def load_atlas(folder: Path, manifest: Manifest) -> Atlas:
-    """The atlas of the artifact in `folder`, an empty one for a map of before there were any.
-
-    Raises ArtifactError when it is damaged or does not fit the manifest.
-    """
-    if ATLAS not in manifest.files:
-        return Atlas.empty()
-    content = read_checked(folder, ATLAS, manifest.files[ATLAS])
-    return parse_atlas(content, len(manifest.gaits), manifest.layout, str(folder / ATLAS))
-
-
-def _ranking(probabilities: list[float]) -> list[int]:
-    """Indices from the likeliest on; equal ones keep their order."""
-    return sorted(range(len(probabilities)), key=probabilities.__getitem__, reverse=True)
-
-
-def _finite(name: str, value: object) -> float:
-    if isinstance(value, bool) or not isinstance(value, Real):
-        raise ValueError(f"{name} = {value!r}: must be a finite number")
-    try:
-        number = float(value)
-    except OverflowError:  # an integer beyond every float
-        number = math.inf
-    if not math.isfinite(number):
-        raise ValueError(f"{name} = {number}: must be a finite number")
-    return number
-
-
-def _all_finite(name: str, values: ArrayLike) -> NDArray[np.float64]:
-    array = np.asarray(values)
-    if array.dtype.kind not in "fiu":
-        raise ValueError(f"{name}: must hold finite numbers, found {array.dtype}")
-    numbers = array.astype(np.float64)
-    if not np.isfinite(numbers).all():
-        where = tuple(int(i) for i in np.argwhere(~np.isfinite(numbers))[0])
-        raise ValueError(f"{name}{list(where)} = {numbers[where]}: must be a finite number")
-    return numbers
+    def _distance(self, task: Mapping[str, float]) -> float:
+        return self.manifest.domain.distance(task)

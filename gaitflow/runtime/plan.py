@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import itertools
+import math
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Trajectory
 from gaitflow.runtime.manifest import Gait
 from gaitflow.runtime.refine import FAST, Attempt, Candidate, Refiner
 
-WORTH = 1e-3  # relative cost that another gait must promise to save
+LEAST_SAVING = 1e-3  # relative cost that another gait must promise to save
+OFF = 1e-2  # relative error of a predicted cost, above which the other gaits' may be as far off
 
 
 @dataclass(frozen=True)
 class Plan(Trajectory):
     """A motion (SI units, see `Trajectory`) for a task, with how it was found.
 
-    cost in the scenario's units; violation is the worst scaled constraint violation, found by `gaitflow.core.check` and
-    not by the solver; `feasible` means at most 1e-6. path: "fast" when the first gait was refined by Newton steps from
-    its prediction, "fallback" when IPOPT had to, "next:<n>" when the n-th gait after it was the first to refine,
+    task: speed [m/s], cycle_duration [s] and the map's other ranged axes. cost in the scenario's units; violation is
+    the worst scaled constraint violation, found by `gaitflow.core.check` and not by the solver; `feasible` means at
+    most 1e-6. path: "fast" when the first gait was refined by Newton steps from its prediction, "fallback" when IPOPT
+    had to, "next:<n>" when the n-th gait after it was the first to refine,
     "cheaper:<n>" when that one was refined, too, and costs less than the first, which came out dearer than predicted,
     "failed" when none of `tried` converged to a feasible motion: then the motion is the least infeasible one, and
     feasible all the same when only optimality was not reached. tried: each gait with its outcome, in order.
@@ -28,6 +32,7 @@ class Plan(Trajectory):
     of the whole call; select_ms of choosing the gaits, predict_ms and refine_ms of their starts and solves.
     """
 
+    task: Mapping[str, float]
     gait: str
     pattern: str
     probability: float
@@ -47,10 +52,10 @@ class Plan(Trajectory):
 
 @dataclass(frozen=True)
 class Asked:
-    """The task (m/s, s) of a plan, what the map said of it, and `time.perf_counter()` when the call began."""
+    """The task of a plan, its values by axis, what the map said of it, and `perf_counter()` when the call began."""
 
-    speed: float
-    cycle_duration: float
+    task: Task
+    values: Mapping[str, float]
     in_domain: bool
     distance: float
     started: float
@@ -60,7 +65,8 @@ def refine_ranked(refiner: Refiner, ranked: Sequence[tuple[Candidate, Gait, floa
     """Refine the gaits (candidate, gait, probability) in order until one converges to a feasible motion.
 
     Where another one may cost less than that came to, it is refined as well, and the cheaper one taken: before a cliff
-    of the cost, predictions are far off.
+    of the cost, predictions are far off. So it is where the first one's prediction was off by more than what another
+    one was predicted to cost beyond it.
     IPOPT is asked only when the fast method has failed for all of them: where the first gait has no motion, as beyond
     its longest stride, it takes a second to find that out, and a planner cannot wait for it.
     """
@@ -72,6 +78,7 @@ def refine_ranked(refiner: Refiner, ranked: Sequence[tuple[Candidate, Gait, floa
     first = next((place for place, done in attempts if done.refined), best)
     return Plan(
         **vars(attempt.trajectory),
+        task=asked.values,
         gait=gait.name,
         pattern=attempt.pattern,
         probability=probability,
@@ -91,17 +98,22 @@ def refine_ranked(refiner: Refiner, ranked: Sequence[tuple[Candidate, Gait, floa
 
 
 def _attempts(refiner: Refiner, candidates: Sequence[Candidate], asked: Asked) -> Iterator[tuple[int, Attempt]]:
-    task = asked.speed, asked.cycle_duration
     for refine, place in itertools.product((refiner.fast, refiner.fallback), range(len(candidates))):
-        attempt = refine(candidates[place], *task)
+        attempt = refine(candidates[place], asked.task)
         yield place, attempt
         if attempt.refined:
             break
     rivals = range(place + 1, len(candidates)) if attempt.refined and attempt.method == FAST else ()
-    least = {rival: refiner.least(candidates[rival], *task) for rival in rivals}
-    if least and min(least.values()) < attempt.cost * (1 - WORTH):
+    least = {rival: refiner.least(candidates[rival], asked.task) for rival in rivals}
+    if least and min(least.values()) < _worth_a_look(attempt):
         rival = min(rivals, key=least.__getitem__)
-        yield rival, refiner.fast(candidates[rival], *task, most=1)
+        yield rival, refiner.fast(candidates[rival], asked.task, most=1)
+
+
+def _worth_a_look(attempt: Attempt) -> float:
+    """The cost below which another gait's promise is looked at: where this one's was off, the other may be as well."""
+    off = abs(attempt.cost / attempt.expected - 1) if attempt.expected > 0 else 0.0
+    return attempt.cost * (1 - LEAST_SAVING) * (1 + (off if OFF < off < math.inf else 0.0))
 
 
 def _merit(each: tuple[int, Attempt]) -> tuple[bool, float]:

@@ -1,24 +1,24 @@
-"""The artifact's problem, loaded once and shared by all threads; IPOPT for it, where the fast method does not converge.
+"""The map's problem, transcribed anew from its scenario; IPOPT for it, where the fast method does not converge.
 
-The problem is a serialised CasADi function, and reading one is C++ code that trusts its input: an artifact should come
-from a source you trust. Its digest and size are checked first, and nothing but planning opens that file.
+An artifact is data: it holds its scenario, and the values of its problem at three points. The installed gaitflow
+transcribes the scenario and has to find the same values there. Older artifacts hold code instead, see `legacy`.
 """
 
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+import gaitflow
 from gaitflow.core.errors import ArtifactError
 from gaitflow.core.trajectory import Array
-from gaitflow.runtime.files import PROBLEM, read_checked
-from gaitflow.runtime.manifest import Manifest
+from gaitflow.runtime import legacy
+from gaitflow.runtime.files import MANIFEST, PROBLEM_CHECK, read_checked
+from gaitflow.runtime.manifest import FORMAT, Manifest
+from gaitflow.runtime.problem_check import EQUAL, parse_problem_check
 from gaitflow.solvers.options import IPOPT_WARM
 from gaitflow.solvers.point import GaitSpace
 from gaitflow.solvers.program import derivatives
@@ -37,77 +37,78 @@ class IpoptAnswer:
 
 
 class Problem:
-    """The problem of the artifact in `folder`. Raises ImportError without CasADi, ArtifactError as `load_problem`."""
+    """A map's problem with its derivatives, shared by all threads. Raises what `load_problem` does."""
 
-    def __init__(self, folder: Path, manifest: Manifest) -> None:
-        self._manifest = manifest
-        self.function = load_problem(folder, manifest)
+    def __init__(self, folder: Path, manifest: Manifest, rows: int, trust_code: bool = False) -> None:
+        self._options = manifest.solver_options
+        self.function = load_problem(folder, manifest, rows, trust_code)
         self.derivatives = derivatives(self.function)
 
     def ipopt(self, space: GaitSpace, task: Array, primal: Array, bounds: Array, rows: Array) -> IpoptAnswer:
-        """Solve a gait at task (v, T) from a decision vector [nw] and multipliers of bounds [nw] and rows [ng].
+        """Solve a gait at a task [axes] from a decision vector [nw] and multipliers of bounds [nw] and rows [ng].
 
         One call at a time in the whole process.
         """
+        from gaitflow.solvers.ipopt import call_solver
+
         with _SOLVING:
-            solver = self._ipopt
-            try:
-                answer = solver(
-                    x0=primal, p=task, lbx=space.lower, ubx=space.upper, lbg=space.lower_rows, ubg=space.upper_rows,
-                    lam_x0=bounds, lam_g0=rows,
-                )  # fmt: skip
-                statistics = solver.stats()
-            except RuntimeError as error:
-                return IpoptAnswer(primal, 0, f"the solver failed: {str(error).strip().splitlines()[-1][:200]}")
-        w = np.asarray(answer["x"], dtype=float).ravel()
-        return IpoptAnswer(w, int(statistics.get("iter_count", 0)), str(statistics["return_status"]))
+            arguments = {
+                "x0": primal, "p": task, "lbx": space.lower, "ubx": space.upper, "lbg": space.lower_rows,
+                "ubg": space.upper_rows, "lam_x0": bounds, "lam_g0": rows,
+            }  # fmt: skip
+            status, iterations, result = call_solver(self._ipopt, arguments)
+        return IpoptAnswer(result["x"], iterations, status)
 
     def cost(self, w: Array, task: Array) -> float:
-        """The problem's cost of w [nw] at task (v, T)."""
+        """The problem's cost of w [nw] at a task [axes]."""
         return float(self.function(w, task)[0])
 
     @cached_property
     def _ipopt(self) -> Any:
-        import casadi
+        from gaitflow.solvers.ipopt import make_ipopt
 
-        w, task = casadi.SX.sym("w", self._manifest.layout.variables), casadi.SX.sym("task", 2)
-        cost, rows = self.function(w, task)
-        program = {"x": w, "p": task, "f": cost, "g": rows}
-        return casadi.nlpsol("refine", "ipopt", program, _options(self._manifest.solver_options))
+        return make_ipopt(self.function, {**IPOPT_WARM, "max_iter": 300, **self._options})
 
 
-def load_problem(folder: Path, manifest: Manifest) -> Any:
-    """The function (w [nw], task [2]) -> (cost [1], rows [ng]) of an artifact. Raises ArtifactError."""
-    casadi, path = _casadi(), folder / PROBLEM
-    content = read_checked(folder, PROBLEM, manifest.files[PROBLEM])
+def load_problem(folder: Path, manifest: Manifest, rows: int, trust_code: bool = False) -> Any:
+    """The CasADi function (w [nw], task [axes]) -> (cost [1], rows [ng]) of the artifact in `folder`.
+
+    `rows` is ng; `trust_code` allows to run the code in artifacts of formats 1 and 2.
+    Raises ImportError without gaitflow[solve], ArtifactError when the problem cannot be had or is not the one that was
+    published.
+    """
+    _need_solvers()
+    if manifest.format < FORMAT:
+        return legacy.stored_problem(folder, manifest, rows, trust_code)
+    from gaitflow.config.file import ConfigError
+    from gaitflow.config.scenario import Scenario
+    from gaitflow.problem import transcribe
+
+    path = folder / PROBLEM_CHECK
+    stored = parse_problem_check(
+        read_checked(folder, PROBLEM_CHECK, manifest.files[PROBLEM_CHECK]), manifest.layout, rows, str(path)
+    )
+    here, there = gaitflow.__version__, manifest.gaitflow_version
     try:
-        function = casadi.Function.deserialize(content.decode("ascii"))
-    except (RuntimeError, ValueError) as error:
-        reason = str(error).strip().splitlines()[-1][:200]
+        problem = transcribe(Scenario.from_data(manifest.scenario, f"{folder / MANIFEST}: scenario"))
+    except ConfigError as error:
+        raise ArtifactError(f"{error}; it was published by gaitflow {there}, this is {here}") from None
+    fault = stored.differs(problem.nlp)
+    if fault is None and abs(problem.cost_scale - manifest.cost_scale) > EQUAL * manifest.cost_scale:
+        fault = f"the cost's scale is {problem.cost_scale:g} instead of {manifest.cost_scale:g}"
+    if fault is not None:
         raise ArtifactError(
-            f"{path}: CasADi {casadi.__version__} cannot read it ({reason}); install the version that made it, "
-            "which `code` in manifest.json names"
-        ) from None
-    takes = [function.size_in(i) for i in range(function.n_in())]
-    gives = [function.size_out(i) for i in range(function.n_out())]
-    if takes != [(manifest.layout.variables, 1), (2, 1)] or gives != [(1, 1), (manifest.layout.rows, 1)]:
-        raise ArtifactError(
-            f"{path}: the problem maps {takes} to {gives}; expected w [{manifest.layout.variables}] and task [2] "
-            f"to cost [1] and rows [{manifest.layout.rows}]"
+            f"{path}: of this map's scenario gaitflow {here}, which is installed, makes another problem than gaitflow "
+            f"{there} made, which published it: {fault}; install gaitflow {there}, or publish the map again"
         )
-    return function
+    return problem.nlp
 
 
-def _options(options: Mapping[str, float | int | str]) -> dict[str, Any]:
-    ipopt = {**IPOPT_WARM, **options, "linear_solver": "mumps", "print_level": 0, "sb": "yes"}
-    return {"ipopt": ipopt, "print_time": False, "error_on_fail": False, "show_eval_warnings": False}
-
-
-def _casadi() -> Any:
+def _need_solvers() -> None:
     try:
-        import casadi
+        import casadi  # noqa: F401
+        import pydantic  # noqa: F401
         import qdldl  # noqa: F401
         import scipy.sparse  # noqa: F401
     except ImportError as missing:
         raise ImportError(f'refining a plan needs {missing.name}: pip install "gaitflow[solve]"') from None
-    return casadi

@@ -14,21 +14,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from gaitflow.core import check
+from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array, Trajectory
 from gaitflow.runtime.atlas import Atlas
-from gaitflow.runtime.layout import unpack
 from gaitflow.runtime.manifest import Manifest
-from gaitflow.runtime.problem import CONVERGED, Problem
+from gaitflow.runtime.problem import Problem
 from gaitflow.runtime.tensors import GaitTensors
 from gaitflow.solvers.interior_point import InteriorPoint
+from gaitflow.solvers.options import CONVERGED
 from gaitflow.solvers.point import GaitSpace, Point
 from gaitflow.solvers.program import Program
 
 FAST, FALLBACK = "fast", "fallback"
-QUICK = 18  # iterations of the first try, from a prediction between the nodes
-STEADY_BARRIER, STEADY = 1e-3, 25  # of a further one, from a node itself: a higher barrier is more patient
-NODES = 2
-MEAN_BARRIER, MEAN = 1e-2, 30  # from the mean of a region, far off
+# Barriers and limits of iterations of the tries, by what they start from. Far starts take a higher barrier.
+PREDICTED_LIMIT = 18  # at the barrier of the atlas
+PRIMAL_BARRIER, PRIMAL_LIMIT = 1e-2, 30  # the prediction without its multipliers
+NODE_BARRIER, NODE_LIMIT = 1e-3, 25
+MEAN_BARRIER, MEAN_LIMIT = 1e-2, 30
+NODES = 2  # nearest nodes that are started from
 LEAST_COST = 1e-9
 
 
@@ -36,13 +39,15 @@ LEAST_COST = 1e-9
 class Attempt:
     """One gait refined: what came out, for which full pattern, our own verdict on it, and what the solver said.
 
-    cost in the scenario's units; violation is the worst scaled one (gaitflow.core.check). method: "fast" or "fallback".
-    iterations are Newton's and IPOPT's. predict_ms and refine_ms are wall times, checking included.
+    cost in the scenario's units, expected the one that was predicted (NaN where nothing was); violation is the worst
+    scaled one (gaitflow.core.check). method: "fast" or "fallback". iterations are Newton's and IPOPT's. predict_ms and
+    refine_ms are wall times, checking included.
     """
 
     trajectory: Trajectory
     pattern: str
     cost: float
+    expected: float
     violation: float
     iterations: int
     solver_status: str
@@ -85,19 +90,19 @@ class Refiner:
         for number, sheet in enumerate(atlas.sheets):
             self.method(Candidate(sheet.gait, number))
 
-    def fast(self, candidate: Candidate, speed: float, cycle_duration: float, most: int = 1 + NODES) -> Attempt:
-        """Solve for a task (m/s, s) by the fast method: from the prediction, then from nodes nearby, or from the mean.
+    def fast(self, candidate: Candidate, task: Task, most: int = 2 + NODES) -> Attempt:
+        """Solve for a task by the fast method: from the prediction, with and without its multipliers, then from nodes.
 
-        `most` is how many of these may be tried. Where it does not converge the motion is the last try's.
+        A candidate that the atlas does not know is solved from the mean of its region. `most` is how many tries there
+        may be. Where it does not converge the motion is the last try's.
         """
         started = time.perf_counter()
-        task = np.array([speed, cycle_duration])
-        method = self.method(candidate)
+        parameters, method = task.parameters, self.method(candidate)
         tries = self._tries(candidate, method.space, task)
         first = next(tries)
-        run = _Run(candidate, task, started, time.perf_counter())
+        run = _Run(candidate, task, first.unit if first.predicted else np.nan, started, time.perf_counter())
         for each in itertools.islice(itertools.chain([first], tries), most):
-            outcome = method.follow(task, each.start, each.unit, each.barrier, each.limit)
+            outcome = method.follow(parameters, each.start, each.unit, each.barrier, each.limit)
             run.iterations += outcome.iterations
             status = CONVERGED[0] if outcome.converged else "not converged"
             if outcome.converged:
@@ -106,24 +111,25 @@ class Refiner:
                     return attempt
         return self._judged(run, outcome.w, outcome.cost, status, FAST)
 
-    def least(self, candidate: Candidate, speed: float, cycle_duration: float) -> float:
+    def least(self, candidate: Candidate, task: Task) -> float:
         """What a candidate may cost at a task at the least, in the scenario's units; infinite when nobody knows."""
         if candidate.sheet is None:
             return float("inf")
-        return self._atlas.least_cost(candidate.sheet, speed, cycle_duration) * self._manifest.cost_scale
+        return self._atlas.least_cost(candidate.sheet, self._place(task)) * self._manifest.cost_scale
 
-    def fallback(self, candidate: Candidate, speed: float, cycle_duration: float) -> Attempt:
-        """Solve for a task (m/s, s) by IPOPT: from the prediction, then from the mean of the region."""
+    def fallback(self, candidate: Candidate, task: Task) -> Attempt:
+        """Solve for a task by IPOPT: from the prediction, then from the mean of the region."""
         started = time.perf_counter()
-        task, space = np.array([speed, cycle_duration]), self._space(candidate)
+        parameters, space = task.parameters, self._space(candidate)
         first = next(self._tries(candidate, space, task))
-        run = _Run(candidate, task, started, time.perf_counter())
+        run = _Run(candidate, task, first.unit if first.predicted else np.nan, started, time.perf_counter())
         mean = self._tensors.mean(candidate.gait)
         starts = [mean] if candidate.sheet is None else [space.join(first.start, first.unit), mean]
         for primal, bounds, rows in starts:
-            answer = self._problem.ipopt(space, task, primal, bounds, rows)
+            answer = self._problem.ipopt(space, parameters, primal, bounds, rows)
             run.iterations += answer.iterations
-            attempt = self._judged(run, answer.w, self._problem.cost(answer.w, task), answer.status, FALLBACK)
+            cost = self._problem.cost(answer.w, parameters)
+            attempt = self._judged(run, answer.w, cost, answer.status, FALLBACK)
             if attempt.refined:
                 break
         return attempt
@@ -135,6 +141,9 @@ class Refiner:
             self._methods[key] = InteriorPoint(self._program, self._space(candidate))
         return self._methods[key]
 
+    def _place(self, task: Task) -> Array:
+        return np.array(task.on(self._atlas.axes))
+
     def _space(self, candidate: Candidate) -> GaitSpace:
         if candidate.sheet is None:
             return self._tensors.space(candidate.gait)
@@ -145,30 +154,32 @@ class Refiner:
             return self._manifest.gaits[candidate.gait].pattern
         return self._atlas.sheets[candidate.sheet].pattern
 
-    def _tries(self, candidate: Candidate, space: GaitSpace, task: Array) -> Iterator[_Try]:
+    def _tries(self, candidate: Candidate, space: GaitSpace, task: Task) -> Iterator[_Try]:
         """Where the fast method may start, the best first."""
-        speed, cycle_duration = map(float, task)
         if candidate.sheet is not None:
-            predicted = self._atlas.predict(candidate.sheet, speed, cycle_duration)
+            place = self._place(task)
+            predicted = self._atlas.predict(candidate.sheet, place)
             if predicted is not None:
-                yield _Try(space.decode(predicted.point), predicted.cost, self._atlas.barrier, QUICK)
-            for node in self._atlas.nearest(candidate.sheet, speed, cycle_duration, NODES):
-                yield _Try(space.decode(node.point), node.cost, STEADY_BARRIER, STEADY)
+                point = space.decode(predicted.point)
+                yield _Try(point, predicted.cost, self._atlas.barrier, PREDICTED_LIMIT, predicted=True)
+                yield _Try(_primal(point), predicted.cost, PRIMAL_BARRIER, PRIMAL_LIMIT)
+            for node in self._atlas.nearest(candidate.sheet, place, NODES):
+                yield _Try(space.decode(node.point), node.cost, NODE_BARRIER, NODE_LIMIT)
             return
         primal, bounds, rows = self._tensors.mean(candidate.gait)
-        unit = max(self._problem.cost(primal, task), LEAST_COST)
-        yield _Try(space.split(primal, bounds, rows, unit), unit, MEAN_BARRIER, MEAN)
+        unit = max(self._problem.cost(primal, task.parameters), LEAST_COST)
+        yield _Try(space.split(primal, bounds, rows, unit), unit, MEAN_BARRIER, MEAN_LIMIT)
 
     def _judged(self, run: _Run, w: Array, cost: float, status: str, method: str) -> Attempt:
-        manifest, (speed, cycle_duration) = self._manifest, map(float, run.task)
-        trajectory = unpack(manifest.layout, self._tensors.scale, w, cycle_duration)
+        manifest = self._manifest
+        trajectory = manifest.layout.unpack(w, run.task.cycle_duration)
         pattern = self._pattern(run.candidate)
-        violation = check.worst(manifest.scenario, trajectory, speed, cycle_duration, pattern)
         return Attempt(
             trajectory=trajectory,
             pattern=pattern,
             cost=cost * manifest.cost_scale,
-            violation=violation,
+            expected=run.expected * manifest.cost_scale,
+            violation=check.worst(manifest.scenario, trajectory, run.task, pattern),
             iterations=run.iterations,
             solver_status=status,
             method=method,
@@ -177,18 +188,26 @@ class Refiner:
         )
 
 
+def _primal(point: Point) -> Point:
+    """The point without its multipliers: those of bounds follow from the barrier."""
+    nothing = np.zeros_like(point.lower)
+    return Point(point.free, np.zeros_like(point.rows), nothing, nothing)
+
+
 @dataclass(frozen=True)
 class _Try:
     start: Point
     unit: float  # the cost that is expected
     barrier: float
     limit: int
+    predicted: bool = False  # whether the unit is a prediction for the task
 
 
 @dataclass
 class _Run:
     candidate: Candidate
-    task: Array
+    task: Task
+    expected: float  # cost, the problem's
     started: float
     ready: float
     iterations: int = 0

@@ -55,14 +55,14 @@ class Fields:
     def positive(self, name: str) -> float:
         """A finite number above 0."""
         value = self._data[name]
-        if not _is_number(value) or value <= 0:
+        if not is_number(value) or value <= 0:
             self.refuse(name, "a finite number above 0")
         return float(value)
 
     def rising(self, name: str, longest: int) -> tuple[float, ...]:
         """1 to `longest` finite numbers, each above the one before."""
         values = self.items(name, longest)
-        if not all(map(_is_number, values)) or any(b <= a for a, b in pairwise(values)):
+        if not all(map(is_number, values)) or any(b <= a for a, b in pairwise(values)):
             self.refuse(name, "finite numbers, each above the one before")
         return tuple(map(float, values))
 
@@ -85,5 +85,6 @@ class Fields:
         return Fields(self._data[name], f"{self._where}.{name}", names)
 
 
-def _is_number(value: object) -> bool:
+def is_number(value: object) -> bool:
+    """Whether a value is a number, no boolean, that a float can hold."""
     return type(value) in (int, float) and abs(value) < 1e300 and math.isfinite(value)  # type: ignore[arg-type]

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 
 import numpy as np
-from safetensors import SafetensorError
-from safetensors.numpy import load
+from safetensors.numpy import save
 
-from gaitflow.core.errors import ArtifactError
+from gaitflow.core.layout import Layout
 from gaitflow.core.trajectory import Array, Trajectory
-from gaitflow.runtime.layout import Layout, unpack
+from gaitflow.runtime.tensor_file import TensorFile
 from gaitflow.solvers.point import GaitSpace
 
+MAX_ROWS = 10_000_000
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class GaitTensors:
     """float64 tensors over G gaits in the manifest's order, nw variables and ng rows, in the problem's scaling.
 
-    primal, multipliers_bounds, lower_bounds, upper_bounds [G, nw]; multipliers_rows, lower_rows, upper_rows [G, ng];
-    scale [nw]: w * scale is in SI units, but for the durations, which stay fractions of the cycle duration.
+    primal, multipliers_bounds, lower_bounds, upper_bounds [G, nw]; multipliers_rows, lower_rows, upper_rows [G, ng].
     Bounds may be infinite, all else is finite. Multipliers have CasADi's signs.
     """
 
@@ -30,7 +31,11 @@ class GaitTensors:
     upper_bounds: Array
     lower_rows: Array
     upper_rows: Array
-    scale: Array
+
+    @property
+    def rows(self) -> int:
+        """Number of rows ng of the map's problem."""
+        return int(self.multipliers_rows.shape[1])
 
     def space(self, gait: int) -> GaitSpace:
         """The bounds of gait number `gait`."""
@@ -45,67 +50,58 @@ class GaitTensors:
 class WarmStart(Trajectory):
     """Where to start an optimiser of `pattern`: a trajectory in SI units, and the artifact's own scaled vectors.
 
-    primal [nw] is the decision vector, multipliers_bounds [nw] and multipliers_rows [ng] are those of the artifact's
-    problem (CasADi's signs). Predicted for the task, or the mean over a region of tasks: near feasible, not feasible.
+    task: the values on the map's axes that it is for; of a region's mean only the cycle_duration. primal [nw] is the
+    decision vector, multipliers_bounds [nw] and multipliers_rows [ng] are those of the artifact's problem (CasADi's
+    signs). Predicted for the task, or the mean over a region of tasks: near feasible, not feasible.
     """
 
     gait: str
     pattern: str
+    task: Mapping[str, float]
     primal: Array
     multipliers_bounds: Array
     multipliers_rows: Array
 
 
-def shapes(gaits: int, layout: Layout) -> dict[str, tuple[int, ...]]:
-    """The shape of each tensor by name."""
-    nw, ng = layout.variables, layout.rows
-    return {
-        "primal": (gaits, nw), "multipliers_bounds": (gaits, nw), "multipliers_rows": (gaits, ng),
-        "lower_bounds": (gaits, nw), "upper_bounds": (gaits, nw),
-        "lower_rows": (gaits, ng), "upper_rows": (gaits, ng), "scale": (nw,),
-    }  # fmt: skip
+def tensor_bytes(tensors: GaitTensors) -> bytes:
+    """The file's content. Equal tensors give equal bytes."""
+    return save({name: np.ascontiguousarray(value, dtype=np.float64) for name, value in asdict(tensors).items()})
 
 
-def parse_tensors(content: bytes, gaits: int, layout: Layout, where: str) -> GaitTensors:
-    """The tensors in a file's bytes, checked for names, types, shapes and values. Raises ArtifactError."""
-    try:
-        tensors = load(content)
-    except (SafetensorError, KeyError, ValueError) as error:  # KeyError: an element type numpy does not have
-        raise ArtifactError(f"{where}: not a safetensors file ({str(error)[:200]}); copy the artifact again") from None
-    expected = shapes(gaits, layout)
-    if set(tensors) != set(expected):
-        raise ArtifactError(f"{where}: tensors {sorted(tensors)}; expected {sorted(expected)}")
-    for name, shape in expected.items():
-        tensor = tensors[name]
-        if tensor.dtype != np.float64 or tensor.shape != shape:
-            raise ArtifactError(f"{where}: {name} is {tensor.dtype} {tensor.shape}; expected float64 {shape}")
-        bound = name.startswith(("lower", "upper"))
-        if np.isnan(tensor).any() if bound else not np.isfinite(tensor).all():
-            raise ArtifactError(f"{where}: {name} holds a value that is not {'a number' if bound else 'finite'}")
+def parse_tensors(content: bytes, gaits: int, layout: Layout, where: str, scaled: bool = False) -> GaitTensors:
+    """The tensors in a file's bytes, checked for names, types, shapes and values. Raises ArtifactError.
+
+    `scaled`: there is a `scale` [nw] as well, as in formats 1 and 2, which has to be the layout's.
+    """
+    file = TensorFile.parse(content, where)
+    names = set(GaitTensors.__annotations__)
+    file.expect(names | ({"scale"} if scaled else set()))
+    shape = np.shape(file.tensors["multipliers_rows"])
+    rows = shape[1] if len(shape) == 2 else 0
+    if not 1 <= rows <= MAX_ROWS:
+        file.refuse("multipliers_rows", f"has the shape {shape}; expected {gaits} gaits by 1 to {MAX_ROWS} rows")
+    found = {}
+    for name in sorted(names):
+        size = rows if name.endswith("_rows") else layout.nw
+        found[name] = file.array(name, (gaits, size), np.float64, finite=not name.startswith(("lower", "upper")))
     for kind in ("bounds", "rows"):
-        if (tensors[f"lower_{kind}"] > tensors[f"upper_{kind}"]).any():
-            raise ArtifactError(f"{where}: a value of lower_{kind} lies above its upper_{kind}")
-    if (tensors["scale"] <= 0).any():
-        raise ArtifactError(f"{where}: scale must be positive")
-    for tensor in tensors.values():
-        tensor.flags.writeable = False
-    return GaitTensors(**tensors)
+        if (found[f"lower_{kind}"] > found[f"upper_{kind}"]).any():
+            file.refuse(f"lower_{kind}", f"has a value above its upper_{kind}")
+    if scaled and not np.allclose(file.array("scale", (layout.nw,), np.float64), layout.scale(1.0), rtol=1e-9, atol=0):
+        file.refuse("scale", "is not what the scenario's robot gives")
+    return GaitTensors(**found)
 
 
 def warm_start(
-    layout: Layout,
-    scale: Array,
-    gait: str,
-    pattern: str,
-    vectors: tuple[Array, Array, Array],
-    cycle_duration: float,
+    layout: Layout, gait: str, pattern: str, vectors: tuple[Array, Array, Array], task: Mapping[str, float]
 ) -> WarmStart:
-    """The warm start in vectors (primal [nw], multipliers of bounds [nw] and rows [ng]) for a cycle duration [s]."""
+    """The warm start in vectors (primal [nw], multipliers of bounds [nw] and rows [ng]) for a task's values."""
     primal, bounds, rows = vectors
     return WarmStart(
-        **vars(unpack(layout, scale, primal, cycle_duration)),
+        **vars(layout.unpack(primal, task["cycle_duration"])),
         gait=gait,
         pattern=pattern,
+        task=task,
         primal=primal,
         multipliers_bounds=bounds,
         multipliers_rows=rows,

@@ -1,0 +1,140 @@
+"""atlas.safetensors: the atlas' bytes, and an atlas from bytes that nobody has checked yet.
+
+Tensors: `axes` (names in ASCII, joined by commas, uint8), `steps` [a] and `barrier` [1] (float64), `sheets` [1]
+(int32), and for every sheet "<number>.<name>": gait [1] (int32), pattern [legs, phases] (uint8), lower, upper [nw],
+lower_rows, upper_rows [ng] (float64), and the fields of `Sheet` by their names; mean, modes, coordinates and tangents
+are float32, the others float64.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from safetensors.numpy import save
+
+from gaitflow.core.layout import Layout
+from gaitflow.core.task import AXES
+from gaitflow.runtime.atlas import Atlas, Sheet
+from gaitflow.runtime.tensor_file import TensorFile
+from gaitflow.solvers.point import GaitSpace
+
+MAX_MODES = 512
+MAX_SHEETS = 4096
+MAX_NODES = 1_000_000  # of all sheets
+_NUMBERS = ("tasks", "costs", "slopes", "mean", "modes", "coordinates", "tangents")
+BOUNDS = ("lower", "upper", "lower_rows", "upper_rows")
+_NAMES = ("gait", "pattern", *BOUNDS, *_NUMBERS, "tear")
+
+
+def atlas_bytes(atlas: Atlas) -> bytes:
+    """The file's content. Equal atlases give equal bytes."""
+    tensors: dict[str, NDArray[Any]] = {
+        "axes": np.frombuffer(",".join(atlas.axes).encode("ascii"), dtype=np.uint8),
+        "steps": np.array(atlas.steps, dtype=np.float64),
+        "barrier": np.array([atlas.barrier]),
+        "sheets": np.array([len(atlas.sheets)], dtype=np.int32),
+    }
+    for number, sheet in enumerate(atlas.sheets):
+        own = {name: getattr(sheet, name) for name in _NUMBERS}
+        own |= {name: getattr(sheet.space, name) for name in BOUNDS}
+        own |= {
+            "gait": np.array([sheet.gait], dtype=np.int32),
+            "pattern": np.array([[int(digit) for digit in row] for row in sheet.pattern.split("/")], dtype=np.uint8),
+            "tear": np.array([sheet.tear]),
+        }
+        tensors |= {f"{number}.{name}": np.ascontiguousarray(value) for name, value in own.items()}
+    return save(tensors)
+
+
+def parse_atlas(content: bytes, axes: Sequence[str], gaits: int, layout: Layout, rows: int, where: str) -> Atlas:
+    """The atlas in a file's bytes, checked for names, types, shapes and values.
+
+    axes are the map's ranged ones, gaits how many it has, rows those of its problem, `where` what errors call the file.
+    Raises ArtifactError.
+    """
+    file = TensorFile.parse(content, where)
+    count = int(file.array("sheets", (1,), np.int32)[0])
+    if not 0 <= count <= MAX_SHEETS:
+        file.refuse("sheets", f"= {count}: must be 0 to {MAX_SHEETS}")
+    file.expect({"axes", "steps", "barrier", "sheets"} | {f"{n}.{name}" for n in range(count) for name in _NAMES})
+    found = file.names("axes")
+    if found != tuple(axes):
+        file.refuse("axes", f"are {', '.join(found)}; the map's are {', '.join(axes)}")
+    barrier = float(file.array("barrier", (1,), np.float64)[0])
+    if not 0 < barrier < 1:
+        file.refuse("barrier", f"= {barrier:g}: must lie between 0 and 1")
+    steps = file.array("steps", (len(axes),), np.float64)
+    if (steps < 1e-9).any():
+        file.refuse("steps", "must be positive")
+    nodes = sum(file.length(f"{number}.tasks") for number in range(count))
+    if nodes > MAX_NODES:
+        file.refuse("the atlas", f"has {nodes} nodes: more than {MAX_NODES}")
+    sheets = tuple(_sheet(file, number, found, gaits, layout, rows) for number in range(count))
+    return Atlas(found, steps, barrier, sheets)
+
+
+def parse_space(file: TensorFile, prefix: str, layout: Layout, rows: int) -> GaitSpace:
+    """The bounds of a sheet, "<prefix>.lower" and so on. Raises ArtifactError."""
+    sizes = (layout.nw, layout.nw, rows, rows)
+    bounds = [
+        file.array(f"{prefix}.{each}", (size,), np.float64, finite=False)
+        for each, size in zip(BOUNDS, sizes, strict=True)
+    ]
+    if (bounds[0] > bounds[1]).any() or (bounds[2] > bounds[3]).any():
+        file.refuse(f"sheet {prefix}", "has a bound below that lies above the one above")
+    if any(np.isposinf(each).any() for each in bounds[::2]) or any(np.isneginf(each).any() for each in bounds[1::2]):
+        file.refuse(f"sheet {prefix}", "has an infinite bound on the wrong side")
+    space = GaitSpace(*bounds)
+    if not (len(space.free) and space.rows and space.bounds):
+        file.refuse(f"sheet {prefix}", "leaves no variable, no row or no bound to solve for")
+    return space
+
+
+def parse_pattern(file: TensorFile, prefix: str, layout: Layout) -> str:
+    """The pattern of a sheet as text. Raises ArtifactError."""
+    pattern = file.array(f"{prefix}.pattern", (layout.legs, layout.phases), np.uint8)
+    if pattern.max() > 1:
+        file.refuse(f"sheet {prefix}", "has a pattern of more than 0 and 1")
+    return "/".join("".join(map(str, row)) for row in pattern.tolist())
+
+
+def parse_gait(file: TensorFile, prefix: str, gaits: int) -> int:
+    """The number of a sheet's gait. Raises ArtifactError."""
+    gait = int(file.array(f"{prefix}.gait", (1,), np.int32)[0])
+    if not 0 <= gait < gaits:
+        file.refuse(f"sheet {prefix}", f"is of gait {gait}; the map has {gaits}")
+    return gait
+
+
+def _sheet(file: TensorFile, number: int, axes: tuple[str, ...], gaits: int, layout: Layout, rows: int) -> Sheet:
+    own, name = str(number), f"sheet {number}"
+    gait, pattern = parse_gait(file, own, gaits), parse_pattern(file, own, layout)
+    space = parse_space(file, own, layout, rows)
+    nodes, modes, a = file.length(f"{own}.tasks"), file.length(f"{own}.modes"), len(axes)
+    if not nodes or not 1 <= modes <= MAX_MODES:
+        file.refuse(name, f"has {nodes} nodes and {modes} modes; at least 1 of each, at most {MAX_MODES} modes")
+    tasks = file.array(f"{own}.tasks", (nodes, a), np.float64)
+    if not all(
+        AXES[axis].admits(x) for axis, column in zip(axes, tasks.T, strict=True) for x in (min(column), max(column))
+    ):
+        file.refuse(name, "has a node that is no physical task")
+    costs = file.array(f"{own}.costs", (nodes,), np.float64)
+    tear = float(file.array(f"{own}.tear", (1,), np.float64)[0])
+    if (costs <= 0).any() or tear < 0:
+        file.refuse(name, "holds a cost that is not positive, or a negative tear")
+    return Sheet(
+        gait=gait,
+        pattern=pattern,
+        space=space,
+        tasks=tasks,
+        costs=costs,
+        slopes=file.array(f"{own}.slopes", (nodes, a), np.float64),
+        mean=file.array(f"{own}.mean", (space.size,), np.float32),
+        modes=file.array(f"{own}.modes", (modes, space.size), np.float32),
+        coordinates=file.array(f"{own}.coordinates", (nodes, modes), np.float32),
+        tangents=file.array(f"{own}.tangents", (nodes, a, modes), np.float32),
+        tear=tear,
+    )
