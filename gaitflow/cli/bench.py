@@ -9,11 +9,12 @@ import click
 
 import gaitflow
 from gaitflow.cli.errors import bad_input, print_json
+from gaitflow.cli.options import json_option
 from gaitflow.pipeline.workspace import Workspace
 
 BENCHES = (
-    "certificate", "discovery", "faults", "map", "minlp", "online", "overhead", "phases", "ranking", "scaling",
-    "select", "speedup", "stances", "store", "table1", "table2",
+    "certificate", "discovery", "faults", "map", "mesh", "minlp", "online", "overhead", "phases", "ranking", "referee",
+    "scaling", "select", "speedup", "stances", "store", "table1", "table2",
 )  # fmt: skip
 PIPED_WIDTH = 160  # a table in a file need not fit a terminal
 DEFAULT_SCENARIO = "half-cheetah-flat-effort"
@@ -29,7 +30,7 @@ DEFAULT_SCENARIO = "half-cheetah-flat-effort"
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
     help="speedup only: on the jobs of this Slurm cluster.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
+@json_option
 @click.pass_obj
 def bench(
     workspace: Workspace, name: str, scenario: str, tasks: int | None, seed: int, profile: Path | None, as_json: bool
@@ -48,6 +49,8 @@ def bench(
     stances    what one stance per leg costs (needs the runs of SCENARIO and SCENARIO-free)
     phases     what more phases gain (SCENARIO is S-eight-phases; needs its run and that of S)
     ranking    the gaits of each task by cost and what they ask of the robot (after `gaitflow solve`)
+    mesh       error of the best cost, wrong labels and CPU time by integrator, forces and knots
+    referee    patterns solved and failed by the interior point, solved again by IPOPT
     certificate  exhaustive search of some tasks beside their labels (after `gaitflow label`)
     faults     kill -9 of workers and runs
     store      planning, resuming, checking and packing 10^3 to 10^5 units (or --tasks)

@@ -11,6 +11,7 @@ from pathlib import Path
 import click
 
 from gaitflow.cli.errors import bad_input, fail, print_json
+from gaitflow.cli.options import json_option
 from gaitflow.config.file import ConfigError
 from gaitflow.pipeline.workspace import Workspace
 
@@ -21,7 +22,6 @@ profile_option = click.option(
     type=click.Path(dir_okay=False, path_type=Path),
     help="The cluster and how much of it to use, such as slurm/profiles/centre-48h.yaml.",
 )
-json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
 
 
 @click.command()

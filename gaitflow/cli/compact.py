@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gaitflow.cli.errors import bad_input, fail, print_json
+from gaitflow.cli.options import json_option
 
 if TYPE_CHECKING:
     from gaitflow.pipeline.workspace import Workspace
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 
 @click.command()
 @click.argument("scenario")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
+@json_option
 @click.pass_obj
 def compact(workspace: Workspace, scenario: str, as_json: bool) -> None:
     """Move the solved units of SCENARIO, a small file each, into a few large files.

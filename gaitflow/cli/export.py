@@ -7,6 +7,7 @@ from pathlib import Path
 import click
 
 from gaitflow.cli.errors import bad_input, fail, print_json
+from gaitflow.cli.options import json_option
 from gaitflow.config.file import ConfigError
 
 
@@ -19,7 +20,7 @@ from gaitflow.config.file import ConfigError
     type=click.Path(path_type=Path),
     help="The folder to write: C functions, map.bin, and a C++17 reader.",
 )
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
+@json_option
 def export(model: Path, folder: Path, as_json: bool) -> None:
     """Write MODEL (a version's folder or its parent) as C and data; docs/other-languages.md says how to use it.
 

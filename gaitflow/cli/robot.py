@@ -9,6 +9,7 @@ from typing import Any
 import click
 
 from gaitflow.cli.errors import bad_input, print_json
+from gaitflow.cli.options import json_option
 from gaitflow.config.file import ConfigError
 from gaitflow.pipeline.workspace import Workspace
 from gaitflow.urdf.description import label_of
@@ -38,7 +39,7 @@ def robot() -> None:
 @click.option("--max-tilt", type=float, default=0.5, show_default=True, help="Of the base along each angle [rad].")
 @click.option("--output", type=click.Path(dir_okay=False, path_type=Path),
               help="Written over if there.  [default: configs/robots/NAME.yaml, when new]")  # fmt: skip
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
+@json_option
 @click.pass_obj
 def import_(workspace: Workspace, /, urdf: Path, output: Path | None, as_json: bool, **options: Any) -> None:
     """Write the robots YAML of a legged robot that URDF describes; meshes are not needed.

@@ -1,4 +1,4 @@
-"""`gaitflow show`: draw a stored motion as an HTML animation or a strip of snapshots."""
+"""`gaitflow show`: draw a stored motion as an animation (HTML, GIF) or a strip of snapshots."""
 
 from __future__ import annotations
 
@@ -8,25 +8,27 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gaitflow.cli.errors import bad_input, print_json
+from gaitflow.cli.options import json_option, task_options
 
 if TYPE_CHECKING:
-    from gaitflow.core.task import Task
     from gaitflow.report.stored import Ranked
 
 
 @click.command()
 @click.argument("dataset", type=click.Path(exists=True, path_type=Path))
-@click.option("--speed", type=float, required=True, help="Forward speed v [m/s].")
-@click.option("--cycle", type=float, required=True, help="Cycle duration T [s].")
+@task_options
 @click.option("--gait", help="Draw the gait of this name; by default the one that costs least.")
 @click.option("--rank", type=click.IntRange(1), help="Draw the gait of this rank: 1 costs least.")
-@click.option("--output", type=click.Path(dir_okay=False, path_type=Path), help="Write an animation: one HTML file.")
+@click.option(
+    "--output",
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Write an animation: an HTML file, or a GIF if named so.",
+)
 @click.option("--strip", type=click.Path(dir_okay=False, path_type=Path), help="Write snapshots: one PNG file.")
-@click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
+@json_option
 def show(
     dataset: Path,
-    speed: float,
-    cycle: float,
+    axes: dict[str, float],
     gait: str | None,
     rank: int | None,
     output: Path | None,
@@ -49,39 +51,40 @@ def show(
         from gaitflow.files import atomic_write
         from gaitflow.report import stored
         from gaitflow.report.animation import animation_page
+        from gaitflow.report.film import film
         from gaitflow.report.motion import draw_motion
         from gaitflow.report.palette import gait_colours
         from gaitflow.report.report import png_of
 
         solutions = load_solutions(dataset)
-        task = stored.nearest_task(solutions, speed, cycle)
+        task = stored.nearest_task(solutions, axes)
         ranked = stored.ranked_gaits(solutions, task)
         scenario = stored.scenario_of(solutions)
+        columns = scenario.tasks.space.columns
         files = []
         if output is not None or strip is not None or gait is not None or rank is not None:
             one = stored.chosen(ranked, gait, rank)
             drawn = stored.motion_of(solutions, one), scenario, one.gait, gait_colours([one.gait])[one.gait]
             if output is not None:
-                atomic_write(output, animation_page(*drawn).encode())
+                atomic_write(output, film(*drawn) if output.suffix == ".gif" else animation_page(*drawn).encode())
                 files.append(output)
             if strip is not None:
                 atomic_write(strip, png_of(draw_motion(*drawn)))
                 files.append(strip)
             ranked = (one,)
     if as_json:
-        return print_json(_as_data(task, ranked, files))
-    click.echo(f"nearest stored task: {task.speed:g} m/s, {task.cycle_duration:g} s (asked: {speed:g}, {cycle:g})")
+        return print_json(_as_data(dict(zip(columns, task.on(columns), strict=True)), ranked, files))
+    asked = ", ".join(f"{value:g}" for value in axes.values())
+    click.echo(f"nearest stored task: {task.text(columns)} (asked: {asked})")
     for one in ranked:
         click.echo(f"{one.rank:4d}  cost {one.cost:<12.6g} {'' if one.has_motion else '(no motion stored) '}{one.gait}")
     for path in files:
         click.echo(path)
 
 
-def _as_data(task: Task, ranked: tuple[Ranked, ...], files: list[Path]) -> dict[str, Any]:
+def _as_data(task: dict[str, float], ranked: tuple[Ranked, ...], files: list[Path]) -> dict[str, Any]:
     keys = ("rank", "gait", "pattern", "cost", "has_motion")
-    return {
-        "speed": task.speed,
-        "cycle_duration": task.cycle_duration,
+    return task | {
         "gaits": [{key: getattr(one, key) for key in keys} for one in ranked],
         "files": [str(path) for path in files],
     }

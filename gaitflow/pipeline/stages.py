@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from gaitflow.execute.run import RunState
     from gaitflow.problem import GaitProblem
     from gaitflow.report.claims import Claim
-    from gaitflow.runtime import Plan
     from gaitflow.runtime.atlas import Atlas
 
 GUIDED_REMARK = (
@@ -31,11 +30,6 @@ GUIDED_REMARK = (
     "motion or because a probe was too dear to go on with; regret is over the other picks"
 )
 KEPT_GAITS = 3  # cheapest gaits of a task that keep their trajectory in a published dataset
-
-PLAN_KEYS = (
-    "gait", "pattern", "probability", "in_domain", "distance", "durations", "cost", "feasible", "violation", "path",
-    "iterations", "select_ms", "predict_ms", "refine_ms", "time_ms",
-)  # fmt: skip
 
 
 class StageMissing(RuntimeError):
@@ -229,22 +223,22 @@ def report(workspace: Workspace, scenario: Scenario) -> list[Path]:
         pd.read_parquet(run.labels),
         list(solutions),
         [gait.name for gait in gait_map.gaits] if gait_map else [],
-        (lambda v, t: gait_map.select_many(v, t).index) if gait_map else None,
+        (lambda values: gait_map.select_many(**values).index) if gait_map else None,
         read_json(run.learning) if run.learning.exists() else None,
         solutions.record,
     )
 
 
 def claims(workspace: Workspace) -> tuple[Claim, ...]:
-    """The paper's statements, measured on the newest published labels of its three scenarios."""
+    """The paper's statements, measured on the newest published labels of its scenarios and of the exact ones."""
     import pandas as pd
 
     from gaitflow.publishing.dataset import LABELS
-    from gaitflow.report.claims import FIGURES, check_claims
+    from gaitflow.report.claims import SCENARIOS, check_claims
     from gaitflow.runtime.versions import versions_in
 
     frames = {}
-    for name in FIGURES.values():
+    for name in SCENARIOS:
         versions = versions_in(workspace.datasets / name)
         if versions:
             frames[name] = pd.read_parquet(workspace.datasets / name / str(versions[-1]) / LABELS)
@@ -265,54 +259,6 @@ def verify(path: Path) -> list[str]:
     if (path / CLASSIFIER).exists() or (path / "manifest.json").exists():
         return [str(finding) for finding in verify_map(path)]
     raise ValueError(f"{path}: holds neither a model nor a dataset; give a version's folder")
-
-
-def read_labels(dataset: Path) -> list[dict[str, Any]]:
-    """The labels of a published dataset, or of a labels file, as plain data; numbers that do not exist are None."""
-    import math
-
-    import pandas as pd
-
-    from gaitflow.dataset.gaps import GAP
-    from gaitflow.publishing.dataset import LABELS
-
-    path = dataset / LABELS if dataset.is_dir() else dataset
-    keys = [
-        "speed",
-        "cycle_duration",
-        "gait",
-        "pattern",
-        "cost",
-        "margin",
-        "runner_up",
-        "status",
-        "split",
-        "label",
-        GAP,
-    ]
-    try:
-        rows = pd.read_parquet(path)[[*keys, "ties"]].to_dict("records")
-    except (OSError, KeyError, ValueError) as error:
-        raise ValueError(f"{path}: no readable labels ({error})") from None
-    return [
-        {str(k): None if isinstance(v, float) and not math.isfinite(v) else v for k, v in row.items()}
-        | {"ties": list(row["ties"])}
-        for row in rows
-    ]
-
-
-def plan_data(plan: Plan) -> dict[str, Any]:
-    """A plan as plain data, without its trajectory."""
-    import math
-
-    data = {key: getattr(plan, key) for key in PLAN_KEYS}
-    data = {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in data.items()}
-    return data | {"durations": plan.durations.tolist()}
-
-
-def refused_data() -> dict[str, Any]:
-    """What stands in the place of a plan for a task outside the map's domain."""
-    return dict.fromkeys(PLAN_KEYS) | {"in_domain": False, "feasible": False, "path": "refused"}
 
 
 def summary(scenario: Scenario) -> dict[str, Any]:

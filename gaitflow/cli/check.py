@@ -1,0 +1,84 @@
+"""What a run, a scenario or a published folder is: status, validate, verify."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import click
+
+from gaitflow.cli.errors import bad_input, print_json
+from gaitflow.cli.options import json_option, scenario_argument
+from gaitflow.pipeline import stages
+from gaitflow.pipeline.workspace import Workspace
+
+
+@click.command()
+@scenario_argument
+@json_option
+@click.pass_obj
+def status(workspace: Workspace, scenario: str, as_json: bool) -> None:
+    """Say how far the run of SCENARIO is: while it runs, after it, and without it.
+
+    \b
+    Example: gaitflow status quickstart --json
+    """
+    from gaitflow.execute.status import run_status
+    from gaitflow.store.parts import UnitStore
+
+    with bad_input():
+        resolved = workspace.scenario(scenario)
+        state = run_status(resolved, UnitStore(workspace.run(resolved).folder))
+    if as_json:
+        return print_json(state.as_data())
+    left = "unknown" if state.cpu_hours_left is None else f"{state.cpu_hours_left:.3f}"
+    click.echo(
+        f"{state.scenario}: {state.units} units: {state.solved} solved, {state.failed} failed, {state.left} left"
+    )
+    click.echo(f"CPU hours: {state.cpu_hours_spent:.3f} spent, {left} left; {state.quarantined} files in quarantine")
+    if state.jobs is not None:
+        click.echo(f"jobs: {state.jobs}")
+    if state.logs is not None:
+        click.echo(f"logs: {state.logs}")
+    for attempt in state.errors:
+        click.echo(f"  {attempt}")
+
+
+@click.command()
+@scenario_argument
+@json_option
+@click.pass_obj
+def validate(workspace: Workspace, scenario: str, as_json: bool) -> None:
+    """Check the file of SCENARIO and say what it asks for.
+
+    \b
+    Example: gaitflow validate configs/scenarios/quickstart.yaml
+    """
+    with bad_input():
+        resolved = workspace.scenario(scenario)
+        data = stages.summary(resolved)
+    if as_json:
+        return print_json(data)
+    for key, value in data.items():
+        click.echo(f"{key.replace('_', ' '):16} {value}")
+
+
+@click.command()
+@click.argument("path", type=click.Path(path_type=Path))
+@json_option
+def verify(path: Path, as_json: bool) -> None:
+    """Check a published model or dataset (a version's folder) whole: digests, contents, motions.
+
+    \b
+    Example: gaitflow verify models/quickstart/1.0.0
+    """
+    with bad_input():
+        faults = stages.verify(path)
+    if as_json:
+        print_json({"path": str(path), "sound": not faults, "faults": faults})
+    else:
+        for fault in faults:
+            click.echo(fault)
+        click.echo(f"{path}: {f'{len(faults)} fault(s)' if faults else 'sound'}")
+    if faults:
+        sys.exit(1)

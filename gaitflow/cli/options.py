@@ -1,0 +1,68 @@
+"""Arguments and options that several commands share; among them one option for every axis of a task."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable
+from functools import wraps
+from pathlib import Path
+from typing import Any, TypeVar
+
+import click
+
+from gaitflow.core.task import AXES, Axis
+from gaitflow.pipeline.snakemake import PROFILE
+
+Command = TypeVar("Command", bound=Callable[..., Any])
+
+SHORT = {"cycle_duration": "--cycle"}  # beside the axis' own name
+
+scenario_argument = click.argument("scenario")
+json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
+profile_option = click.option(
+    "--profile",
+    "profile_file",
+    envvar=PROFILE,
+    type=click.Path(dir_okay=False, path_type=Path),
+    help="Solve on the jobs of a Slurm cluster instead, such as slurm/profiles/centre-48h.yaml.",
+)
+workers_option = click.option("--workers", default=2, show_default=True, type=click.IntRange(1, 1024))
+
+
+def task_options(command: Command) -> Command:
+    """An option for every axis of a task; the command gets those that were given as its argument `axes`, a dict."""
+
+    @wraps(command)
+    def collected(*arguments: Any, **options: Any) -> Any:
+        given = {axis: options.pop(axis) for axis in AXES}
+        axes = {axis: _only(axis, values) for axis, values in given.items() if values}
+        return command(*arguments, axes=axes, **options)
+
+    decorated: Any = collected
+    for axis in reversed(AXES.values()):
+        decorated = click.option(
+            *_spelled(axis.name), axis.name, type=float, multiple=True, metavar=f"[{axis.unit}]", help=_told(axis)
+        )(decorated)
+    result: Command = decorated
+    return result
+
+
+def _only(axis: str, values: tuple[float, ...]) -> float:
+    """The one value that was given for an axis; two are refused with one line and exit code 2."""
+    if len(values) > 1:
+        said = " and ".join(f"{value:g}" for value in values)
+        click.echo(f"gaitflow: {_spelled(axis)[0]} is given {len(values)} times: {said}; a task has one", err=True)
+        sys.exit(2)
+    return values[0]
+
+
+def _spelled(axis: str) -> tuple[str, ...]:
+    own = f"--{axis.replace('_', '-')}"
+    return (SHORT[axis], own) if axis in SHORT else (own,)
+
+
+def _told(axis: Axis) -> str:
+    meaning = axis.meaning[0].upper() + axis.meaning[1:]
+    usual = axis.default if axis.default is not None and math.isfinite(axis.default) else None
+    return f"{meaning}." if usual is None else f"{meaning}; {usual:g} unless the map says otherwise."

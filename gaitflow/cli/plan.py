@@ -1,0 +1,81 @@
+"""`gaitflow plan`: a motion for one task from a published map."""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from gaitflow.cli.errors import bad_input, fail, print_json
+from gaitflow.cli.options import json_option, task_options
+from gaitflow.config.file import ConfigError
+from gaitflow.core.task import AXES
+
+if TYPE_CHECKING:
+    from gaitflow.runtime import Plan
+
+PLAN_KEYS = (
+    "gait", "pattern", "probability", "in_domain", "distance", "durations", "cost", "feasible", "violation", "path",
+    "iterations", "select_ms", "predict_ms", "refine_ms", "time_ms",
+)  # fmt: skip
+
+
+@click.command()
+@click.argument("artifact", type=click.Path(path_type=Path))
+@task_options
+@click.option("--beyond", is_flag=True, help="Plan also outside the map's domain; the motion is checked all the same.")
+@click.option("--trust-code", is_flag=True, help="Run the code that maps of formats 1 and 2 hold as their problem.")
+@json_option
+def plan(artifact: Path, axes: dict[str, float], beyond: bool, trust_code: bool, as_json: bool) -> None:
+    """Ask the map ARTIFACT for a gait and refine it into a feasible motion.
+
+    ARTIFACT is a version's folder or its parent (the newest version then). A task needs a value on every axis that the
+    map ranges over, speed and cycle duration on most.
+
+    \b
+    Example: gaitflow plan models/quickstart --speed 0.9 --cycle 0.6 --json
+             gaitflow plan models/half-cheetah-exact-slopes --speed 0.9 --cycle 0.6 --slope -8
+    """
+    from gaitflow.runtime import ArtifactError, GaitMap, OutOfDomain
+
+    with bad_input():
+        try:
+            answer = GaitMap.load(artifact, trust_code=trust_code).plan(beyond=beyond, **axes)
+        except OutOfDomain as error:
+            if as_json:
+                print_json(refused_data(axes))
+            fail(f"{error}{'' if beyond else '; --beyond plans all the same'}")
+        except ArtifactError as error:
+            raise ConfigError(str(error)) from None
+    if as_json:
+        print_json(plan_data(answer))
+    else:
+        _say(answer)
+    if not answer.feasible:
+        sys.exit(1)
+
+
+def plan_data(answer: Plan) -> dict[str, Any]:
+    """A plan as plain data: its task and PLAN_KEYS; the trajectory is left out, numbers that do not exist are None."""
+    data = {key: getattr(answer, key) for key in PLAN_KEYS} | {"durations": answer.durations.tolist()}
+    numbers = {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in data.items()}
+    return {"task": dict(answer.task), **numbers}
+
+
+def refused_data(axes: dict[str, float]) -> dict[str, Any]:
+    """What stands in the place of a plan for a task outside the map's domain."""
+    return {"task": axes} | dict.fromkeys(PLAN_KEYS) | {"in_domain": False, "feasible": False, "path": "refused"}
+
+
+def _say(answer: Plan) -> None:
+    if not answer.in_domain:
+        click.echo(f"outside the map's domain, {answer.distance:.1f} steps of its grid from the nearest task")
+    click.echo(f"task:        {', '.join(f'{axis} {x:g} {AXES[axis].unit}' for axis, x in answer.task.items())}")
+    click.echo(f"gait:        {answer.gait} ({answer.pattern}), probability {answer.probability:.2f}")
+    click.echo(f"durations:   {', '.join(f'{d:.4f}' for d in answer.durations)} s")
+    click.echo(f"cost:        {answer.cost:.6g}")
+    click.echo(f"feasible:    {'yes' if answer.feasible else 'no'}, worst violation {answer.violation:.1e}")
+    click.echo(f"path:        {answer.path}, {answer.iterations} iterations, {answer.time_ms:.1f} ms")

@@ -1,0 +1,222 @@
+"""The stages of a map as commands: run, solve, label, atlas, train, publish, report."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+
+from gaitflow.cli.errors import bad_input, fail, print_json
+from gaitflow.cli.options import json_option, profile_option, scenario_argument, workers_option
+from gaitflow.core.task import AXES
+from gaitflow.pipeline import stages
+from gaitflow.pipeline.snakemake import run_workflow
+from gaitflow.pipeline.workspace import Workspace
+
+
+@click.command()
+@scenario_argument
+@workers_option
+@profile_option
+@click.option("--dry-run", is_flag=True, help="Say which stages would run, and run none.")
+@click.pass_obj
+def run(workspace: Workspace, scenario: str, workers: int, profile_file: Path | None, dry_run: bool) -> None:
+    """Do all stages of SCENARIO that are not up to date: solve, label, train, publish, report.
+
+    With --profile the workers that solve are Slurm jobs; the other stages run here.
+
+    \b
+    Example: gaitflow run quickstart
+    """
+    from gaitflow.config.cluster import load_profile
+
+    with bad_input():
+        resolved = workspace.scenario(scenario)
+        if profile_file is not None:
+            load_profile(profile_file)
+        if not run_workflow(workspace, resolved.name, workers, dry_run, profile_file):
+            fail(f"the workflow of {resolved.name} did not finish; what is done is kept, the same command goes on")
+    if dry_run:
+        return
+    from gaitflow.runtime import GaitMap
+
+    folder = workspace.run(resolved)
+    published = stages.read_json(folder.published)
+    gait_map = GaitMap.load(published["model"])
+    task = gait_map.manifest.domain.middle
+    choice = gait_map.select(**task)
+    click.echo(f"map:      {published['model']}")
+    click.echo(f"dataset:  {published['dataset']}")
+    asked = ", ".join(f"{axis} {value:g} {AXES[axis].unit}" for axis, value in task.items())
+    click.echo(f"query:    {asked} -> {choice.gait} ({choice.pattern}), probability {choice.probability:.2f}")
+    click.echo(f"picture:  {folder.report / 'map.png'}")
+    click.echo(f"report:   {folder.report / 'index.html'}")
+
+
+@click.command()
+@scenario_argument
+@workers_option
+@profile_option
+@click.pass_obj
+def solve(workspace: Workspace, scenario: str, workers: int, profile_file: Path | None) -> None:
+    """Solve every task of SCENARIO that is not stored yet, on WORKERS processes of this machine.
+
+    With --profile the workers are Slurm jobs, driven from here. Stop it with Ctrl-C; the same command goes on where it
+    stopped.
+
+    \b
+    Example: gaitflow solve quickstart --workers 2
+    """
+    from gaitflow.config.cluster import load_profile
+    from gaitflow.dataset.collect import NotComplete
+    from gaitflow.execute.drivers import DriverAlive
+    from gaitflow.execute.run import RunFailed, RunStopped
+    from gaitflow.execute.schedulers.jobs import SlurmError
+
+    with bad_input():
+        resolved = workspace.scenario(scenario)
+        try:
+            profile = None if profile_file is None else load_profile(profile_file)
+            state, path = stages.solve(workspace, resolved, workers, profile)
+        except (RunFailed, RunStopped, NotComplete, DriverAlive, SlurmError) as error:
+            fail(str(error))
+    click.echo(f"{state.solved} units solved, {state.failed} given up: {path}")
+
+
+@click.command()
+@scenario_argument
+@click.pass_obj
+def label(workspace: Workspace, scenario: str) -> None:
+    """Label every task of SCENARIO with the gait that costs least.
+
+    \b
+    Example: gaitflow label quickstart
+    """
+    with bad_input():
+        resolved = workspace.scenario(scenario)
+        labels = stages.label(workspace, resolved)
+    counts = labels.loc[labels["status"] == "solved", "gait"].value_counts()
+    for gait, count in counts.items():
+        click.echo(f"{count:5d}  {gait}")
+    for status in ("infeasible", "failed"):
+        click.echo(f"{int((labels['status'] == status).sum()):5d}  {status}")
+
+
+@click.command()
+@scenario_argument
+@json_option
+@click.pass_obj
+def atlas(workspace: Workspace, scenario: str, as_json: bool) -> None:
+    """Solve SCENARIO's gaits at many tasks between those of its grid, so that plans start from a prediction.
+
+    \b
+    Example: gaitflow atlas quickstart
+    """
+    with bad_input():
+        data = stages.atlas(workspace, workspace.scenario(scenario))
+    if as_json:
+        return print_json(data)
+    for pattern, nodes in data["nodes"].items():
+        click.echo(f"{nodes:6d} nodes  {pattern}")
+    for row in data["predictors"]:
+        click.echo(
+            f"{row['iterations_mean']:6.2f} iterations from {row['predictor']} with {row['modes']} modes, "
+            f"{row['converged']} of {row['tasks']} converged"
+        )
+    click.echo(f"{data['solves']} solves, {data['modes']} modes published")
+
+
+@click.command()
+@scenario_argument
+@click.option("--constant", is_flag=True, help="Where all tasks have one gait, make the constant map of it.")
+@json_option
+@click.pass_obj
+def train(workspace: Workspace, scenario: str, constant: bool, as_json: bool) -> None:
+    """Train and cross-validate the classifiers of SCENARIO and keep the best by the stated rule.
+
+    \b
+    Example: gaitflow train quickstart
+    """
+    from gaitflow.learn.classifier import CannotTrain
+
+    with bad_input():
+        resolved = workspace.scenario(scenario)
+        try:
+            data = stages.train(workspace, resolved, constant)
+        except CannotTrain as error:
+            fail(f"{resolved.name}: {error}")
+    if as_json:
+        return print_json(data)
+    for row in data["competitors"]:
+        mark = "*" if row["method"] == data["method"] else " "
+        click.echo(f"{mark} {row['method']:8} folds:    {quality(row['cross_validation'])}")
+        click.echo(f"  {'':8} held out: {quality(row['held_out'])}")
+    click.echo(f"published is the one marked *: {data['rule']}")
+    for remark in data["remarks"]:
+        click.echo(remark)
+
+
+@click.command()
+@scenario_argument
+@click.option("--version", help="Publish under this version, such as 1.0.0; by default the next free one.")
+@json_option
+@click.pass_obj
+def publish(workspace: Workspace, scenario: str, version: str | None, as_json: bool) -> None:
+    """Publish the dataset and the map of SCENARIO as a version that never changes.
+
+    \b
+    Example: gaitflow publish quickstart
+    """
+    from gaitflow.publishing import PublishError
+    from gaitflow.publishing.dataset import DatasetExists
+
+    with bad_input():
+        resolved = workspace.scenario(scenario)
+        try:
+            done = stages.publish(workspace, resolved, version)
+        except (PublishError, DatasetExists) as error:
+            fail(str(error))
+    if as_json:
+        return print_json({"version": done.version, "dataset": str(done.dataset), "model": str(done.model)})
+    click.echo(f"{done.model}\n{done.dataset}")
+
+
+@click.command()
+@click.argument("scenario", required=False)
+@click.option("--claims", is_flag=True, help="Measure the paper's statements of section IV.A on the published labels.")
+@click.option("--exact-motion", is_flag=True, help="Write docs/exact-motion.md: Euler's maps beside the exact ones.")
+@json_option
+@click.pass_obj
+def report(workspace: Workspace, scenario: str | None, claims: bool, exact_motion: bool, as_json: bool) -> None:
+    """Draw the map of SCENARIO, its gaits and motions, as PNG and one HTML page; or check the paper's claims.
+
+    \b
+    Example: gaitflow report quickstart
+             gaitflow report --claims
+    """
+    if [scenario is not None, claims, exact_motion].count(True) != 1:
+        raise click.UsageError("give a SCENARIO to draw, or --claims or --exact-motion without one")
+    with bad_input():
+        if exact_motion:
+            from gaitflow.report.exact_motion import write_exact_motion
+
+            written = write_exact_motion(workspace.datasets, workspace.root / "docs")
+            return print_json([str(path) for path in written]) if as_json else click.echo("\n".join(map(str, written)))
+        if claims:
+            from gaitflow.report.claims import claims_data, claims_markdown
+
+            found = stages.claims(workspace)
+            return print_json(claims_data(found)) if as_json else click.echo(claims_markdown(found), nl=False)
+        paths = stages.report(workspace, workspace.scenario(str(scenario)))
+    return print_json([str(path) for path in paths]) if as_json else click.echo("\n".join(map(str, paths)))
+
+
+def quality(data: dict[str, Any]) -> str:
+    """One line of a method's numbers."""
+    if not data["tasks"]:
+        return "no tasks"
+    regret = "no regret known" if data["regret_mean"] is None else f"regret {data['regret_mean']:.3%}"
+    return (
+        f"accuracy {data['accuracy']:.3f} F1 {data['macro_f1']:.3f} {regret} infeasible {data['infeasible_rate']:.3f}"
+    )
