@@ -20,9 +20,9 @@ from gaitflow.core.check import FEASIBLE, violations
 from gaitflow.core.task_space import TaskSpace
 from gaitflow.core.trajectory import Array
 from gaitflow.report import axis_text
-from gaitflow.report.motion import BODY_COLOUR, FORCE_COLOUR, GROUND_COLOUR, SWING_COLOUR
 from gaitflow.report.palette import lighter
 from gaitflow.report.scene import Scene, scene_of
+from gaitflow.report.snapshot import BODY_COLOUR, FORCE_COLOUR, GROUND_COLOUR, SWING_COLOUR
 from gaitflow.report.tables import number
 from gaitflow.search.solution import Solution
 

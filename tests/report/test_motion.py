@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 
-from gaitflow.report.motion import BODY_COLOUR, FLOOR_COLOUR, GROUND_COLOUR, SNAPSHOTS, SWING_COLOUR, draw_motion
+from gaitflow.report.motion import SNAPSHOTS, draw_motion
+from gaitflow.report.snapshot import BODY_COLOUR, FLOOR_COLOUR, GROUND_COLOUR, SWING_COLOUR
 
 COLOUR = "#D55E00"
 
