@@ -33,11 +33,14 @@ def seed_of(*parts: object) -> int:
 def until_feasible(
     solver: FixedGaitSolver, pattern: Pattern, task: Task, neighbour: Attempt | None, restarts: int
 ) -> list[Attempt]:
-    """Attempts up to the first feasible one: from the neighbour's solution, nominal, from `restarts` random points."""
+    """Attempts up to the first feasible one: from the neighbour's solution, nominal, from `restarts` random points.
+
+    Random starts are taken while the last one led to no verdict: where the solver found that rows cannot be met, a
+    random start never helped, see DESIGN.md.
+    """
     attempts: list[Attempt] = []
     for start in _starts(solver, pattern, task, neighbour, restarts):
-        # Where the solver ended at a point of local infeasibility, a random start never helped: see DESIGN.md.
-        if start.name.startswith("random") and not any(attempt.gave_up for attempt in attempts):
+        if start.name.startswith("random") and not attempts[-1].gave_up:
             break
         attempts.append(solver.solve(pattern, task, start))
         if attempts[-1].feasible:

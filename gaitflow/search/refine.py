@@ -23,7 +23,7 @@ from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array, Trajectory
 from gaitflow.problem import transcribe
 from gaitflow.search.solution import Solution
-from gaitflow.solvers.fixed_gait import FixedGaitSolver, Start
+from gaitflow.solvers.fixed_gait import FixedGaitSolver, Multipliers, Start
 
 MOST_KNOTS = 50  # a phase, on the finest mesh
 
@@ -72,9 +72,11 @@ class Refinement:
         """The row with its cost on a mesh; without it when no motion was found there. The effort counts either way."""
         solver = self._solver(knots)
         assert row.trajectory is not None
-        start = on_mesh(row.trajectory, self._layout, solver.problem.layout)
-        packed = solver.problem.layout.pack(start, task.cycle_duration)
-        attempt = solver.solve(Pattern.from_text(row.pattern), task, Start("coarser", packed))
+        problem = solver.problem
+        start = problem.layout.pack(on_mesh(row.trajectory, self._layout, problem.layout), task.cycle_duration)
+        # Multipliers of 0 stand for unknown ones, and keep the solver near its start: in the same local optimum.
+        unknown = Multipliers(np.zeros(problem.layout.nw), np.zeros(problem.ng))
+        attempt = solver.solve(Pattern.from_text(row.pattern), task, Start("coarser", start, unknown))
         spent = replace(
             row,
             iterations=row.iterations + attempt.iterations,

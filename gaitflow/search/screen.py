@@ -81,14 +81,11 @@ def why_impossible(scenario: Scenario, pattern: Pattern, task: Task) -> str | No
     if demand.travel and not demand.turning and any("0" not in row for row in pattern.rows):
         return NO_SWING
     needed = scenario.robot.mass * demand.normal * demand.cycle_duration / scenario.robot.max_force
-    support = _most_support(scenario, pattern, demand)
-    if support >= needed and _glides(scenario, pattern, demand):
-        return None  # as most do: it is not worth a linear program
-    if not demand.turning and support >= needed:
-        longest = longest_support(scenario, pattern, task)
-        if longest is None:
-            return NO_ROOM
-        support = longest
+    if _most_support(scenario, pattern, demand) >= needed and _glides(scenario, pattern, demand):
+        return None  # as for most patterns: not worth a linear program
+    support = longest_support(scenario, pattern, task)
+    if support is None:
+        return NO_ROOM
     return NO_STRENGTH if support < needed * (1 - ROUNDING) else None
 
 

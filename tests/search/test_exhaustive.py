@@ -7,18 +7,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tasks_at import at
 
 from gaitflow.config.scenario import Scenario, Strategy, Transcription
 from gaitflow.core.check import FEASIBLE, worst
-from gaitflow.core.gaits import Pattern, all_patterns, gait_of
+from gaitflow.core.gaits import Pattern, Symmetry, all_patterns, gait_of
 from gaitflow.core.task import Task
 from gaitflow.search import Solution, solve_tasks
-from gaitflow.search.attempts import best_of, seed_of, solution
+from gaitflow.search.attempts import best_of, seed_of
 from gaitflow.search.exhaustive import candidate_patterns, solve_chain
+from gaitflow.search.rows import solution
 from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, Start
 
 Solve = Callable[..., Attempt]
-CHAIN = [Task(0.4, 0.6), Task(0.7, 0.6), Task(1.0, 0.6, "held_out")]
+CHAIN = [at(0.4, 0.6), at(0.7, 0.6), at(1.0, 0.6, "held_out")]
 
 
 @pytest.fixture(scope="module")
@@ -35,10 +37,9 @@ def rows(small: Scenario) -> list[Solution]:
 
 
 def test_a_row_per_task_and_pattern_in_that_order(small: Scenario, rows: list[Solution]) -> None:
-    patterns = candidate_patterns(small)
+    patterns = candidate_patterns(small, CHAIN[0])
     assert patterns == all_patterns(2, 3)
-    expected = [(task.speed, task.cycle_duration, task.split, pattern.text) for task in CHAIN for pattern in patterns]
-    assert [(row.speed, row.cycle_duration, row.split, row.pattern) for row in rows] == expected
+    assert [(row.task, row.pattern) for row in rows] == [(task, one.text) for task in CHAIN for one in patterns]
 
 
 def test_screened_rows_say_why_and_were_not_solved(rows: list[Solution]) -> None:
@@ -58,7 +59,7 @@ def test_solved_rows_hold_what_the_check_confirms(small: Scenario, rows: list[So
     assert len(solved) >= 30
     for row in solved:
         assert row.trajectory is not None and row.multipliers is not None
-        own = worst(small.as_data(), row.trajectory, row.speed, row.cycle_duration, row.pattern)
+        own = worst(small.as_data(), row.trajectory, row.task, row.pattern)
         assert row.violation == own <= FEASIBLE
         h = np.diff(row.trajectory.times)
         assert row.cost == pytest.approx(h @ (row.trajectory.forces**2).sum(axis=(1, 2)))
@@ -108,8 +109,8 @@ def one_gait(small: Scenario) -> Scenario:
 
 def test_local_infeasibility_ends_the_search_for_a_pattern(one_gait: Scenario) -> None:
     """At 3 m/s the feet cannot keep up, which the screen does not know: one start, one verdict."""
-    (row,) = solve_chain(one_gait, [Task(3.0, 0.6)])
-    assert (row.status, row.solver_status, row.solves) == ("infeasible", "Infeasible_Problem_Detected", 1)
+    (row,) = solve_chain(one_gait, [at(3.0, 0.6)])
+    assert (row.status, row.solves) == ("infeasible", 1)
     assert row.violation > 1e-3
     assert math.isnan(row.cost) and row.trajectory is None
 
@@ -118,9 +119,9 @@ def test_restarts_follow_where_the_solver_gave_up(one_gait: Scenario, monkeypatc
     """From the nominal start at the first task; at a task whose neighbour failed too, one start must do."""
     starts = []
 
-    def solve(self: FixedGaitSolver, pattern: Pattern, speed: float, cycle_duration: float, start: Start) -> Attempt:
-        starts.append((speed, start.name))
-        return replace(honest(self, pattern, speed, cycle_duration, start), feasible=False, gave_up=True)
+    def solve(self: FixedGaitSolver, pattern: Pattern, task: Task, start: Start) -> Attempt:
+        starts.append((task.speed, start.name))
+        return replace(honest(self, pattern, task, start), feasible=False, gave_up=True)
 
     honest = FixedGaitSolver.solve
     monkeypatch.setattr(FixedGaitSolver, "solve", solve)
@@ -132,17 +133,17 @@ def test_restarts_follow_where_the_solver_gave_up(one_gait: Scenario, monkeypatc
 def test_fixed_gait_gives_one_row_a_task(small: Scenario) -> None:
     strategy = Strategy(name="fixed_gait", pattern="110/011", restarts=1)
     rows = solve_tasks(small.model_copy(update={"strategy": strategy}), CHAIN)
-    assert [(row.speed, row.split) for row in rows] == [(task.speed, task.split) for task in CHAIN]
+    assert [row.task for row in rows] == CHAIN
     for row in rows:
         assert (row.status, row.strategy, row.pattern, row.gait) == ("solved", "fixed_gait", "110/011", "011/101")
 
 
 def test_one_stance_leaves_the_patterns_with_one_touchdown(effort: Scenario, anymal: Scenario) -> None:
-    planar = candidate_patterns(effort)
+    planar = candidate_patterns(effort, CHAIN[0])
     assert len(planar) == 36
     assert all(pattern.touchdowns(leg) == 1 for pattern in planar for leg in range(2))
-    spatial = candidate_patterns(anymal)
-    assert spatial == all_patterns(4, 4, 1, (1, 0, 3, 2))
+    spatial = candidate_patterns(anymal, CHAIN[0])
+    assert spatial == all_patterns(4, 4, 1, Symmetry(mirror=(1, 0, 3, 2)))
     assert len(spatial) == 2628  # of 12^4 rows, up to rotation and with left and right as one
 
 
@@ -164,7 +165,7 @@ def test_the_best_is_the_cheapest_feasible_and_the_earliest_of_equals(effort: Sc
 
 def test_a_row_fails_only_when_every_attempt_gave_up(effort: Scenario, solve: Solve) -> None:
     true = solve(effort, "0110/1100", 0.9, 0.6)
-    task, pattern = Task(0.9, 0.6), Pattern.from_text("0110/1100")
+    task, pattern = at(0.9, 0.6), Pattern.from_text("0110/1100")
     stopped = replace(true, start="a", feasible=False, gave_up=True, violation=0.3)
     refuted = replace(true, start="b", feasible=False, gave_up=False, violation=0.1)
     assert solution(effort, task, pattern, [stopped, stopped]).status == "failed"
@@ -185,8 +186,8 @@ def test_one_broken_solve_costs_one_row(small: Scenario, monkeypatch: pytest.Mon
     """A solver that never succeeds for one pattern leaves every other row as it was."""
     honest = FixedGaitSolver.solve
 
-    def solve(self: FixedGaitSolver, pattern: Pattern, speed: float, cycle_duration: float, start: Start) -> Attempt:
-        attempt = honest(self, pattern, speed, cycle_duration, start)
+    def solve(self: FixedGaitSolver, pattern: Pattern, task: Task, start: Start) -> Attempt:
+        attempt = honest(self, pattern, task, start)
         if pattern.text == "001/010":
             return replace(attempt, feasible=False, gave_up=True, solver_status="exception: planted")
         return attempt

@@ -5,21 +5,22 @@ from collections import Counter
 from typing import Any
 
 import pytest
+from tasks_at import at
 
 from gaitflow.config.scenario import Scenario, Strategy, Transcription
 from gaitflow.core.check import FEASIBLE, worst
-from gaitflow.core.gaits import Pattern, gait_of
+from gaitflow.core.gaits import Pattern, Symmetry, gait_of
 from gaitflow.core.task import Task
 from gaitflow.search import Solution, solve_tasks
 from gaitflow.search.guided import coarse, halved
 from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver
 
-CHAIN = [Task(0.4, 0.6), Task(0.9, 0.6)]
+CHAIN = [at(0.4, 0.6), at(0.9, 0.6)]
 GUIDED = Strategy(name="guided", restarts=1)
 
 
 def _best(rows: list[Solution], task: Task) -> Solution:
-    return min((row for row in rows if row.speed == task.speed and row.status == "solved"), key=lambda row: row.cost)
+    return min((row for row in rows if row.task == task and row.status == "solved"), key=lambda row: row.cost)
 
 
 @pytest.fixture(scope="module")
@@ -35,14 +36,14 @@ def test_in_the_plane_it_finds_what_the_exhaustive_search_finds(effort: Scenario
 
 
 def test_rows_tell_what_was_done_with_each_pattern(effort: Scenario, rows: list[Solution]) -> None:
-    assert [(row.speed, row.pattern) for row in rows] == sorted({(row.speed, row.pattern) for row in rows})
+    assert [(row.task, row.pattern) for row in rows] == sorted({(row.task, row.pattern) for row in rows})
     assert all(row.strategy == "guided" for row in rows)
     counts = Counter(row.status for row in rows)
     assert counts["solved"] >= 4 and counts["probed"] >= 4
     for row in rows:
         if row.status == "solved":
             assert row.trajectory is not None
-            own = worst(effort.as_data(), row.trajectory, row.speed, row.cycle_duration, row.pattern)
+            own = worst(effort.as_data(), row.trajectory, row.task, row.pattern)
             assert row.violation == own <= FEASIBLE
             assert row.gait == gait_of(Pattern.from_text(row.pattern)).text
         else:
@@ -53,9 +54,9 @@ def test_rows_tell_what_was_done_with_each_pattern(effort: Scenario, rows: list[
 
 
 def test_the_second_task_starts_from_the_first(rows: list[Solution]) -> None:
-    second = [row for row in rows if row.speed == CHAIN[1].speed]
+    second = [row for row in rows if row.task == CHAIN[1]]
     assert any(row.start == "neighbour" for row in second)
-    assert not any(row.start == "neighbour" for row in rows if row.speed == CHAIN[0].speed)
+    assert not any(row.start == "neighbour" for row in rows if row.task == CHAIN[0])
 
 
 def test_it_gives_the_same_again(effort: Scenario, rows: list[Solution]) -> None:
@@ -74,7 +75,7 @@ def test_the_budget_bounds_the_probes(effort: Scenario) -> None:
 def test_where_nothing_can_be_walked_it_says_so(effort: Scenario) -> None:
     """Feet at 8 m/s could follow, but the stances of a long cycle leave the boxes."""
     scenario = effort.model_copy(update={"strategy": GUIDED, "transcription": Transcription(knots_per_phase=3)})
-    found = solve_tasks(scenario, [Task(6.0, 1.6)])
+    found = solve_tasks(scenario, [at(6.0, 1.6)])
     assert found
     assert {row.status for row in found} <= {"infeasible", "failed", "screened", "probed"}
     assert any(row.status == "infeasible" for row in found)
@@ -83,9 +84,9 @@ def test_where_nothing_can_be_walked_it_says_so(effort: Scenario) -> None:
 
 def test_in_space_costs_fall_from_the_library_to_the_winner(anymal: Scenario) -> None:
     """ANYmal walks at 0.4 m/s in a trot with double support; no leg is ever all in the air."""
-    found = solve_tasks(anymal.model_copy(update={"strategy": GUIDED}), [Task(0.4, 0.6)])
-    best = _best(found, Task(0.4, 0.6))
-    assert best.gait == gait_of(Pattern.from_text("0111/1101/1101/0111"), (1, 0, 3, 2)).text
+    found = solve_tasks(anymal.model_copy(update={"strategy": GUIDED}), [at(0.4, 0.6)])
+    best = _best(found, at(0.4, 0.6))
+    assert best.gait == gait_of(Pattern.from_text("0111/1101/1101/0111"), Symmetry(mirror=(1, 0, 3, 2))).text
     assert len(found) < 300
     screened = [row for row in found if row.status == "screened"]
     assert any(row.solver_status.startswith("costs at least") for row in screened)
@@ -102,7 +103,7 @@ def test_half_the_phases_have_the_same_mesh(anymal: Scenario) -> None:
 
 def test_eight_phases_begin_with_what_four_can_do(effort: Scenario) -> None:
     """In the plane, where a gait of four phases is one of eight, too: it must not come out dearer."""
-    task = Task(0.9, 0.6)
+    task = at(0.9, 0.6)
     four = effort.model_copy(
         update={"strategy": GUIDED, "transcription": Transcription(phases=4, knots_per_phase=6, min_phase_fraction=0.2)}
     )
