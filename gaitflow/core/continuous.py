@@ -73,13 +73,16 @@ def step_gaps(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task) -
 
 
 def step_shares(settings: Mapping[str, Any]) -> Array:
-    """What part of its phase each step lasts: a mixture of even knots and of the projections of even arcs.
+    """What part of its phase each step lasts: even knots, the projections of even arcs, or those of such projections.
 
     `settings` is a scenario's `transcription`.
     """
     n, grading = int(settings["knots_per_phase"]), float(settings.get("grading", 0.0))
     even = np.arange(n + 1) / n
-    return np.diff((1 - grading) * even + grading * np.sin(np.pi / 2 * even) ** 2)
+    arcs = np.sin(np.pi / 2 * even) ** 2
+    knots = (even, arcs, np.sin(np.pi / 2 * arcs) ** 2)
+    below = min(int(grading), 1)
+    return np.diff((1 + below - grading) * knots[below] + (grading - below) * knots[below + 1])
 
 
 @dataclass(frozen=True)
