@@ -1,0 +1,169 @@
+"""From grown nodes to the atlas that is published: points and tangents along the modes that matter most.
+
+Every full pattern has modes of its own. Which of them are kept is decided for all at once: those that tell most about
+all nodes, until the atlas has the size that it may have.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from gaitflow.atlas.grow import Growth
+from gaitflow.atlas.node import BARRIER
+from gaitflow.core.trajectory import Array
+from gaitflow.runtime.atlas import Atlas, Sheet
+from gaitflow.solvers.point import GaitSpace
+
+LARGEST = {2: 2_600_000, 3: 6_000_000}  # bytes of an atlas, in the plane and in space
+MOST_MODES = 128  # of a pattern
+# What an error of a prediction counts: Newton's method finds the multipliers of rows by itself in its first step, and a
+# bound's multiplier, whose logarithm is predicted, may be off by half, but a variable should not cross its bound.
+OF_VARIABLES, OF_ROWS, OF_BOUNDS = 100.0, 0.1, 1.0
+STRAY = 30.0  # times the usual distance of neighbours
+TEAR = 4.0  # times the usual distance of neighbours' predictions half-way between them
+BESIDE = 1.01  # steps: nodes that are further apart are no neighbours
+
+
+def build_atlas(growth: Growth, gaits: Sequence[int], largest: int | None = None) -> Atlas:
+    """The atlas of the growth's nodes, of at most `largest` bytes or little more where even few modes need more.
+
+    `gaits` are the numbers of the gaits that its full patterns realise; patterns without a node have no sheet. Equal
+    nodes give an equal atlas.
+    """
+    numbers = [number for number, nodes in enumerate(growth.nodes) if nodes]
+    sheets = [_analysed(growth, number) for number in numbers]
+    dimension = growth.problem.layout.dimension
+    counts = _mode_counts(sheets, LARGEST[dimension] if largest is None else largest)
+    built = tuple(
+        _sheet(growth, number, gaits[number], sheet, count)
+        for number, sheet, count in zip(numbers, sheets, counts, strict=True)
+    )
+    return Atlas(tuple(growth.domain.axes), growth.steps, BARRIER, built)
+
+
+@dataclass(frozen=True)
+class _Analysed:
+    """A pattern's nodes in weighted numbers: points [n, ny], tangents [n, a, ny], and all their modes [m, ny].
+
+    sizes [m]: what each mode explains of the squares of all nodes, largest first.
+    """
+
+    places: Array
+    pairs: NDArray[np.intp]
+    weights: Array
+    mean: Array
+    points: Array
+    tangents: Array
+    modes: Array
+    sizes: Array
+
+    def mode_bytes(self) -> int:
+        """What one more mode takes: its own numbers, and a coordinate and tangents for every node."""
+        return 4 * (len(self.weights) + self.tangents.shape[0] * (1 + self.tangents.shape[1]))
+
+    def other_bytes(self, space: GaitSpace) -> int:
+        """What is there without any mode: bounds, mean, and for every node its place, cost and slopes."""
+        bounds = 16 * (len(space.lower) + len(space.lower_rows))
+        return bounds + 4 * len(self.weights) + 8 * self.places.size * 2 + 8 * len(self.places)
+
+
+def _analysed(growth: Growth, number: int) -> _Analysed:
+    nodes = [growth.nodes[number][place] for place in sorted(growth.nodes[number])]
+    space = growth.solver.methods[number].space
+    weights = np.repeat([OF_VARIABLES, OF_ROWS, OF_BOUNDS], [len(space.free), space.rows, space.bounds])
+    places = np.array([node.place for node in nodes])
+    pairs = _pairs(places / growth.steps)
+    points = np.array([node.point for node in nodes]) * weights
+    tangents = np.array([node.tangents for node in nodes]) * weights
+    points, tangents = _without_strays(pairs, points, tangents)
+    mean = points.mean(axis=0)
+    points -= mean
+    modes, sizes = _modes(points, tangents * growth.steps[:, None])
+    return _Analysed(places, pairs, weights, mean, points, tangents, modes, sizes)
+
+
+def _modes(points: Array, tangents: Array) -> tuple[Array, Array]:
+    """The directions [m, ny] in which points [n, ny] and their changes over half a step [n, a, ny] vary; how much."""
+    rows = np.concatenate([points, tangents.reshape(-1, points.shape[1]) / 2])
+    # The rows are mostly fewer than the numbers: their products are a smaller problem than an SVD of all.
+    sizes, mixtures = np.linalg.eigh(rows @ rows.T)
+    kept = np.flatnonzero(sizes > 1e-12 * max(sizes[-1], 1e-300))[::-1][:MOST_MODES]
+    if not len(kept):  # one node that nothing changes
+        return np.eye(1, points.shape[1]), np.zeros(1)
+    vectors = (mixtures[:, kept] / np.sqrt(sizes[kept])).T @ rows
+    signs = np.sign(vectors[np.arange(len(vectors)), np.abs(vectors).argmax(axis=1)])
+    return vectors * signs[:, None], sizes[kept]
+
+
+def _mode_counts(sheets: Sequence[_Analysed], largest: int) -> list[int]:
+    """How many modes each pattern keeps, at least one: the largest of all, as many as fit."""
+    counts = [1] * len(sheets)
+    left = largest - sum(sheet.mode_bytes() + 30 * len(sheet.weights) for sheet in sheets)
+    wanted = [(-size, number) for number, sheet in enumerate(sheets) for size in sheet.sizes[1:]]
+    for _, number in sorted(wanted):
+        left -= sheets[number].mode_bytes()
+        if left < 0:
+            break
+        counts[number] += 1
+    return counts
+
+
+def _sheet(growth: Growth, number: int, gait: int, sheet: _Analysed, modes: int) -> Sheet:
+    nodes = [growth.nodes[number][place] for place in sorted(growth.nodes[number])]
+    vectors = sheet.modes[:modes]
+    coordinates, tangents = sheet.points @ vectors.T, sheet.tangents @ vectors.T
+    return Sheet(
+        gait=gait,
+        pattern=growth.solver.patterns[number].text,
+        space=growth.solver.methods[number].space,
+        tasks=sheet.places,
+        costs=np.array([node.cost for node in nodes]),
+        slopes=np.array([node.slopes for node in nodes]),
+        mean=(sheet.mean / sheet.weights).astype(np.float32),
+        modes=(vectors / sheet.weights).astype(np.float32),
+        coordinates=coordinates.astype(np.float32),
+        tangents=tangents.astype(np.float32),
+        tear=_tear(sheet.pairs, sheet.places, coordinates, tangents),
+    )
+
+
+def _tear(pairs: NDArray[np.intp], places: Array, coordinates: Array, tangents: Array) -> float:
+    """Several times the usual distance of what two neighbours predict half-way: what differs more is another motion."""
+    if not len(pairs):
+        return 0.0
+    one, other = pairs.T
+    half = (places[other] - places[one])[:, None] / 2
+    apart = coordinates[one] + (half @ tangents[one])[:, 0] - coordinates[other] + (half @ tangents[other])[:, 0]
+    return float(TEAR * np.median(np.linalg.norm(apart, axis=1)))
+
+
+def _without_strays(pairs: NDArray[np.intp], points: Array, tangents: Array) -> tuple[Array, Array]:
+    """The points with those replaced that have nothing in common with any neighbour, by the mean of the neighbours'.
+
+    Where the rows of a motion depend on each other its multipliers have no bounds, and a point may run away along them.
+    """
+    if not len(pairs):
+        return points, tangents
+    distances = np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1)
+    nearest = np.full(len(points), np.inf)
+    for side in (0, 1):
+        np.minimum.at(nearest, pairs[:, side], distances)
+    stray = np.isfinite(nearest) & (nearest > STRAY * np.median(distances))
+    points, tangents = points.copy(), tangents.copy()
+    for row in np.flatnonzero(stray):
+        beside = np.concatenate([pairs[pairs[:, 0] == row, 1], pairs[pairs[:, 1] == row, 0]])
+        sound = beside[~stray[beside]]
+        if len(sound):
+            points[row], tangents[row] = points[sound].mean(axis=0), tangents[sound].mean(axis=0)
+    return points, tangents
+
+
+def _pairs(places: Array) -> NDArray[np.intp]:
+    """Rows [p, 2] of neighbouring nodes, by their places [n, a] in steps."""
+    found = cKDTree(places).query_pairs(BESIDE, output_type="ndarray")
+    return np.array(found[np.lexsort(found.T)], dtype=np.intp).reshape(-1, 2)

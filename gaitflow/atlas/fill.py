@@ -1,0 +1,113 @@
+"""Where the atlas predicts badly between its nodes: kinks, cliffs and borders of gaits get nodes of their own.
+
+Tested are the centres of the grid's cells; where a test fails a node is added, and the cell's parts are tested next.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise, product
+
+import numpy as np
+
+from gaitflow.atlas.grow import Growth
+from gaitflow.atlas.node import Place
+from gaitflow.core.trajectory import Array
+from gaitflow.runtime.atlas import Atlas
+
+ROUNDS = 3
+GOOD = 8  # iterations that a prediction may need
+LIMIT = 18  # of a plan's first try
+WRONG = 0.02  # relative error of a predicted cost that is not good
+RIVAL = 1.1  # times the least predicted cost: gaits that might be the cheapest
+RIVALS = 4
+DECIMALS = 9
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A box of tasks: its centre and half of its widths [a]."""
+
+    centre: Place
+    half: tuple[float, ...]
+
+    def parts(self) -> list[Cell]:
+        """The 2^a boxes of half the size; an axis without width is not cut."""
+        half = tuple(width / 2 for width in self.half)
+        sides = [(-1, 1) if width else (0,) for width in half]
+        return [
+            Cell(tuple(round(x + s * w, DECIMALS) for x, s, w in zip(self.centre, signs, half, strict=True)), half)
+            for signs in product(*sides)
+        ]
+
+
+def fill(growth: Growth, compiled: Callable[[], Atlas], tie_tolerance: float, rounds: int = ROUNDS) -> None:
+    """Add nodes where tests fail; `compiled` makes the atlas of the nodes that there are, its sheets in their order."""
+    cells = _cells(growth)
+    for _ in range(rounds):
+        atlas = compiled()
+        sheets = [number for number, nodes in enumerate(growth.nodes) if nodes]
+        bad = [cell for cell in cells if not _predicts_well(growth, atlas, sheets, cell.centre, tie_tolerance)]
+        growth.spread()
+        cells = [part for cell in bad for part in cell.parts()]
+        if not cells:
+            return
+
+
+def _cells(growth: Growth) -> list[Cell]:
+    """The cells of the grid all of whose corners are inside; along an axis of one value they have no width."""
+    ends = [list(pairwise(axis)) or [(axis[0], axis[0])] for axis in growth.grid]
+    boxes = [
+        Cell(
+            tuple(round((low + high) / 2, DECIMALS) for low, high in box),
+            tuple((high - low) / 2 for low, high in box),
+        )
+        for box in product(*ends)
+    ]
+    return [cell for cell in boxes if any(cell.half) and growth.inside(cell.centre)]
+
+
+def _predicts_well(growth: Growth, atlas: Atlas, sheets: Sequence[int], place: Place, tie_tolerance: float) -> bool:
+    """Whether the atlas predicts well at a place; where not, the gaits that may be the cheapest get nodes there."""
+    asked = np.array(place)
+    first, rivals = _rivals(atlas, asked)
+    found: dict[int, float] = {}
+    well = bool(rivals)
+    for rival in rivals:
+        predicted = atlas.predict(rival, asked)
+        assert predicted is not None, "a ranked sheet has a node within reach"
+        outcome = growth.solver.refined(sheets[rival], place, predicted, LIMIT)
+        if outcome.converged and outcome.cost > 0:
+            found[rival] = outcome.cost
+        if rival == first:
+            right = outcome.converged and abs(predicted.cost / outcome.cost - 1) <= WRONG
+            well = right and outcome.iterations <= GOOD
+    if found:
+        well = well and found[first] <= min(found.values()) * (1 + tie_tolerance)
+    if not well:
+        _add(growth, atlas, sheets, place, rivals)
+    return well
+
+
+def _rivals(atlas: Atlas, asked: Array) -> tuple[int, list[int]]:
+    """The sheet that is predicted to cost least, and the few that might cost less."""
+    ranked = atlas.ranked(asked)
+    if not ranked:
+        return -1, []
+    costs, support = atlas.costs(asked)
+    limit = RIVAL * costs[ranked[0]]
+    by_cost = [
+        sheet for sheet in np.argsort(costs, kind="stable").tolist() if support[sheet] > 0 and costs[sheet] <= limit
+    ]
+    return ranked[0], list(dict.fromkeys([ranked[0], *by_cost]))[:RIVALS]
+
+
+def _add(growth: Growth, atlas: Atlas, sheets: Sequence[int], place: Place, rivals: Sequence[int]) -> None:
+    """Nodes of some sheets at a place, each from its prediction or from the nearest nodes."""
+    asked = np.array(place)
+    for rival in rivals:
+        starts = [atlas.predict(rival, asked), *atlas.nearest(rival, asked, 2)]
+        for start in starts:
+            if start is not None and growth.keep(sheets[rival], growth.solver.node(sheets[rival], place, start)):
+                break
