@@ -154,7 +154,7 @@ def table_to_solutions(table: pa.Table, scenario: Mapping[str, Any]) -> Iterator
         dict(zip(space.columns, row, strict=True))
         for row in zip(*(table[axis].to_pylist() for axis in space.columns), strict=True)
     ]
-    arrays = {name: _rows(table[name], _shape(table.schema.field(name))) for name in shapes}
+    arrays = {name: _rows(table[name], _shape(table.schema.field(name), shape)) for name, shape in shapes.items()}
     lists = {part: _lists(table[name]) for name, part in MULTIPLIERS.items()}
     for i in range(table.num_rows):
         plan = {name: rows[i] for name, rows in arrays.items()}
@@ -178,11 +178,14 @@ def _trajectory(stored: Mapping[str, Array | None], layout: Layout) -> Trajector
     return Trajectory(**(arrays | {"end_forces": ends}))
 
 
-def _shape(field: pa.Field) -> tuple[int, ...]:
+def _shape(field: pa.Field, expected: tuple[int, ...]) -> tuple[int, ...]:
     text = (field.metadata or {}).get(b"shape", b"").decode("ascii", "replace")
     shape = tuple(int(part) for part in text.split(",") if part.isdigit())
-    if not isinstance(field.type, pa.FixedSizeListType) or not shape or prod(shape) != field.type.list_size:
-        raise ValueError(f"not a table of solutions: column {field.name} is {field.type} with the shape {text!r}")
+    if not isinstance(field.type, pa.FixedSizeListType) or prod(shape) != field.type.list_size or shape != expected:
+        raise ValueError(
+            f"not a table of solutions: column {field.name} is {field.type} with the shape {text!r}, "
+            f"expected the shape {expected}"
+        )
     return shape
 
 

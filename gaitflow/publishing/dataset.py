@@ -1,85 +1,114 @@
-"""Publishing a dataset: a version's folder appears whole, with a digest of every file, and never changes."""
+"""Publishing a dataset as `datasets/<scenario>/<version>`, small enough to be kept with the code."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-import os
-import secrets
-import shutil
 from collections.abc import Mapping
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pandas as pd
 
+from gaitflow.core.errors import ArtifactError
+from gaitflow.dataset.collect import thin
 from gaitflow.dataset.read import FILE_NAME, load_solutions
-from gaitflow.files import atomic_write, sha256_file, sync_folder
+from gaitflow.dataset.schema import task_columns
+from gaitflow.publishing.versioned_folder import listed, publish_folder, publish_next
+from gaitflow.runtime.files import CARD, MANIFEST, FileEntry, read_limited
+from gaitflow.runtime.manifest import TIME_FORMAT
+from gaitflow.runtime.versions import versions_in
 
-MANIFEST = "manifest.json"
 LABELS = "labels.parquet"
 GAIT_COSTS = "gait_costs.parquet"
-CARD = "README.md"
+FILES = (FILE_NAME, LABELS, GAIT_COSTS, CARD)  # every file but the manifest
 FORMAT = 1
+KEPT_GAITS = 3  # cheapest gaits of a task that keep their trajectory
+KEPT_DEARER = 0.15  # of these, the ones at most this share dearer than the best keep their multipliers
+MAX_MANIFEST_BYTES = 1_000_000
 
 
-class DatasetExists(ValueError):
-    """The version is taken by a dataset with other content."""
+@dataclass(frozen=True)
+class DatasetManifest:
+    """What a published dataset's manifest says: `content` is a digest of what was solved and labelled."""
+
+    scenario: str
+    version: str
+    created: str
+    content: str
+    files: dict[str, FileEntry]
 
 
-def read_manifest(folder: Path) -> dict[str, Any]:
+def read_manifest(folder: Path) -> DatasetManifest:
     """The manifest of a published dataset. Raises ValueError that names the file when it is not one we read."""
     path = folder / MANIFEST
     try:
-        data = json.loads(path.read_bytes())
+        data = json.loads(read_limited(path, MAX_MANIFEST_BYTES))
         number = data["format"]
-    except (OSError, ValueError, KeyError, TypeError):
+        if number == FORMAT:
+            texts = {name: str(data[name]) for name in ("scenario", "version", "created", "content")}
+            files = {str(name): FileEntry(str(one["sha256"]), int(one["bytes"])) for name, one in data["files"].items()}
+            return DatasetManifest(**texts, files=files)
+    except (ArtifactError, ValueError, KeyError, TypeError, AttributeError):
         raise ValueError(f"{path}: no readable manifest; is {folder} a published dataset?") from None
-    if number != FORMAT:
-        raise ValueError(f"{path}: has format {number!r}; this version of gaitflow reads {FORMAT}, update it")
-    return dict(data)
+    raise ValueError(f"{path}: has format {number!r}; this version of gaitflow reads {FORMAT}, update it")
 
 
-def publish_dataset(target: Path, collected: Path, labels: Path, gait_costs: Path) -> str:
-    """Publish the three files as the version folder `target`; returns the SHA-256 of its solutions.
+def publish_dataset(
+    datasets: Path, collected: Path, labels: Path, gait_costs: Path, version: str | None = None
+) -> Path:
+    """Publish `datasets/<scenario>/<version>` and return it.
 
-    The files are copied; a folder that holds the same content is left as it is. Raises DatasetExists when `target`
-    holds other content, ValueError when a file is not what it should be.
+    Without `version` it is the next free one, or, when the newest version has the same content, that one as it is. The
+    collected solutions are thinned (see `gaitflow.dataset.collect.thin`), the other files copied. Raises VersionExists
+    when `version` is taken, ValueError when a file is not what it should be, WriteError when the disk refuses.
     """
-    record = load_solutions(collected).record
-    content = content_digest(record, pd.read_parquet(labels))
-    if target.exists():
-        if read_manifest(target)["content"] != content:
-            raise DatasetExists(f"{target}: is published already with other content; a published version never changes")
-        return str(read_manifest(target)["files"][FILE_NAME]["sha256"])
-    scratch = target.parent / f".{target.name}.{os.getpid()}-{secrets.token_hex(4)}"
-    try:
-        for name, source in ((FILE_NAME, collected), (LABELS, labels), (GAIT_COSTS, gait_costs)):
-            atomic_write(scratch / name, source.read_bytes())
-        atomic_write(scratch / CARD, _card(target.name, record, pd.read_parquet(labels)).encode())
-        names = (FILE_NAME, LABELS, GAIT_COSTS, CARD)
-        files = {n: {"sha256": sha256_file(scratch / n), "bytes": (scratch / n).stat().st_size} for n in names}
+    solutions = load_solutions(collected)
+    record, frame = solutions.record, pd.read_parquet(labels)
+    folder = datasets / record["scenario"]["name"]
+    content = content_digest(record, frame)
+    if version is None and (same := _newest_same(folder, content)) is not None:
+        return same
+    with TemporaryDirectory(dir=collected.parent) as scratch:
+        small = thin(collected, Path(scratch) / FILE_NAME, KEPT_GAITS, KEPT_DEARER).read_bytes()
+    files = {FILE_NAME: small, LABELS: labels.read_bytes(), GAIT_COSTS: gait_costs.read_bytes()}
+
+    def publish(number: str) -> Path:
+        described = files | {CARD: _card(number, record, frame).encode()}
         manifest = {
             "format": FORMAT,
-            "scenario": record["scenario"]["name"],
-            "version": target.name,
-            "created": datetime.now(UTC).isoformat(timespec="seconds"),
+            "scenario": folder.name,
+            "version": number,
+            "created": datetime.now(UTC).strftime(TIME_FORMAT),
             "content": content,
-            "files": files,
+            "files": listed(described),
         }
-        atomic_write(scratch / MANIFEST, (json.dumps(manifest, indent=1, sort_keys=True) + "\n").encode())
-        os.rename(scratch, target)
-        sync_folder(target.parent)
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)
-    return str(files[FILE_NAME]["sha256"])
+        return publish_folder(folder, number, described | {MANIFEST: _json(manifest)})
+
+    return publish_next(folder, publish) if version is None else publish(version)
 
 
 def content_digest(record: Mapping[str, Any], labels: pd.DataFrame) -> str:
     """What makes two datasets the same: the units solved and the labels drawn from them, not when or where."""
-    text = record["units_digest"] + labels[["speed", "cycle_duration", "split", "gait", "label"]].to_csv(index=False)
+    columns = [*task_columns(labels.columns), "gait", "label"]
+    text = record["units_digest"] + labels[columns].to_csv(index=False)
     return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _newest_same(folder: Path, content: str) -> Path | None:
+    """The newest version when it holds this content."""
+    versions = versions_in(folder)
+    if not versions:
+        return None
+    newest = folder / str(versions[-1])
+    return newest if read_manifest(newest).content == content else None
+
+
+def _json(data: Any) -> bytes:
+    return (json.dumps(data, indent=1, sort_keys=True) + "\n").encode()
 
 
 def _card(version: str, record: Mapping[str, Any], labels: pd.DataFrame) -> str:
@@ -88,14 +117,23 @@ def _card(version: str, record: Mapping[str, Any], labels: pd.DataFrame) -> str:
     counts = solved.groupby(["split", "gait"]).size()
     cells = [(*key, count) for key, count in zip(counts.index.to_list(), counts, strict=True)]
     rows = "\n".join(f"| {split} | {gait} | {count} |" for split, gait, count in cells)
+    *axes, _ = task_columns(labels.columns)
     return f"""# {scenario["name"]} {version}: solutions
 
 {scenario["description"]}
 
-{len(labels)} tasks, {len(solved)} of them with a feasible gait, from {record["units"]} units of work. Every row of
-`{FILE_NAME}` is one pattern at one task; the cheapest gaits of each task keep their trajectory. `{LABELS}` has a row a
-task, `{GAIT_COSTS}` the least cost of each gait at each task. Scenario, code version, package versions and processor
-are in the Parquet metadata under `gaitflow`.
+{len(labels)} tasks over {", ".join(axes)}; {len(solved)} of them have a feasible gait; {record["units"]} units of work.
+
+| file | a row |
+| --- | --- |
+| `{FILE_NAME}` | one pattern at one task: what became of it, its cost, and for some rows the motion |
+| `{LABELS}` | one task: its best gait, the margin, how sure it is, and how good its motion is between the knots |
+| `{GAIT_COSTS}` | one gait at one task: its least cost |
+
+Motions are kept for the cheapest solve of each of a task's {KEPT_GAITS} cheapest gaits, and multipliers, rounded to
+single precision, for those of them that are at most {KEPT_DEARER:.0%} dearer than the best. All other rows have nulls
+there. Scenario, code version, package versions and processor are in the Parquet metadata under `gaitflow`; the columns
+are explained in `docs/data-format.md`.
 
 | tasks | gait | wins |
 | --- | --- | --- |
@@ -107,7 +145,7 @@ Read it:
 from gaitflow.dataset import load_solutions
 
 for solution in load_solutions("datasets/{scenario["name"]}/{version}"):
-    print(solution.speed, solution.cycle_duration, solution.pattern, solution.cost)
+    print(solution.task.text(), solution.pattern, solution.cost)
 ```
 
 Licence: BSD-3-Clause, as the project.

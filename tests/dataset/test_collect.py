@@ -2,8 +2,10 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
@@ -16,9 +18,13 @@ from gaitflow.dataset.collect import NotComplete, collect, thin
 from gaitflow.dataset.schema import HEAVY
 from gaitflow.search.solution import Solution
 from gaitflow.store.parts import UnitStore
-from gaitflow.store.units import Unit
+from gaitflow.store.units import Unit, plan_units
 
 Make = Callable[[Unit], list[Solution]]
+
+
+def key_of(row: Solution) -> tuple[str, float, float, str]:
+    return row.task.split, row.task.cycle_duration, row.task.speed, row.pattern
 
 
 def fill(store: UnitStore, units: tuple[Unit, ...], make_solutions: Make, order_seed: int = 0) -> UnitStore:
@@ -49,18 +55,31 @@ def test_rows_are_sorted_and_complete(
     store: UnitStore, scenario: Scenario, units: tuple[Unit, ...], make_solutions: Make
 ) -> None:
     solutions = load_solutions(collect(fill(store, units, make_solutions), scenario))
-    keys = [(row.split, row.cycle_duration, row.speed, row.pattern) for row in solutions]
+    keys = [key_of(row) for row in solutions]
     assert keys == sorted(keys) and len(set(keys)) == len(keys)
-    expected = {
-        (row.split, row.cycle_duration, row.speed, row.pattern): row for unit in units for row in make_solutions(unit)
-    }
+    expected = {key_of(row): row for unit in units for row in make_solutions(unit)}
     assert set(keys) == set(expected)
     for key, row in zip(keys, solutions, strict=True):
         original = expected[key]
         assert repr(row.cost) == repr(original.cost)
         assert (row.base is None) == (original.trajectory is None)
         if original.trajectory is not None:
-            assert (row.base == original.trajectory.base).all() and (row.forces == original.trajectory.forces).all()
+            for name in ("base", "forces", "end_forces"):
+                assert (getattr(row, name) == getattr(original.trajectory, name)).all()
+
+
+def test_a_third_axis_has_a_column_and_orders_the_rows(
+    store: UnitStore, scenario: Scenario, make_solutions: Make
+) -> None:
+    data = scenario.as_data()
+    data["tasks"]["axes"]["slope"] = {"start": -10.0, "stop": 10.0, "count": 3}
+    sloped = Scenario.from_data(data, "test")
+    solutions = load_solutions(collect(fill(store, plan_units(sloped), make_solutions), sloped))
+    frame = solutions.frame()
+    assert list(frame.columns[:4]) == ["speed", "cycle_duration", "slope", "split"] and "friction" not in frame
+    order = frame[["split", "slope", "cycle_duration", "speed", "pattern"]].to_numpy().tolist()
+    assert order == sorted(order) and set(frame["slope"][frame["split"] == "grid"]) == {-10.0, 0.0, 10.0}
+    assert {row.task for row in solutions} == set(tasks_of(sloped))
 
 
 def test_published_size_keeps_trajectories_of_the_cheapest_gaits(
@@ -72,7 +91,7 @@ def test_published_size_keeps_trajectories_of_the_cheapest_gaits(
 ) -> None:
     collected = collect(fill(store, units, make_solutions), scenario)
     monkeypatch.setattr(module, "ROWS_PER_GROUP", 5)
-    small = load_solutions(thin(collected, store.folder / "small.parquet", keep_trajectories=1))
+    small = load_solutions(thin(collected, store.folder / "small.parquet", gaits=1, dearer=0.0))
     whole = load_solutions(collected)
     assert small.record == whole.record
     pd.testing.assert_frame_equal(whole.frame(), small.frame())
@@ -81,7 +100,29 @@ def test_published_size_keeps_trajectories_of_the_cheapest_gaits(
         assert kept == [rows[rows["status"] == "solved"]["cost"].idxmin()]
         assert small[kept[0]].multipliers is not None
         assert (small[kept[0]].feet == whole[kept[0]].feet).all()
-    assert small.table.select(HEAVY).nbytes < whole.table.select(HEAVY).nbytes
+    arrays = [name for name in small.table.column_names if name in HEAVY]
+    assert small.table.select(arrays).nbytes < whole.table.select(arrays).nbytes
+
+
+def test_multipliers_are_kept_near_the_best_in_single_precision(
+    store: UnitStore, scenario: Scenario, units: tuple[Unit, ...], make_solutions: Make
+) -> None:
+    def two_gaits(unit: Unit) -> list[Solution]:
+        return [replace(row, gait=row.pattern) for row in make_solutions(unit)]
+
+    collected = collect(fill(store, units, two_gaits), scenario)
+    whole = load_solutions(collected)
+    small = load_solutions(thin(collected, store.folder / "small.parquet", gaits=2, dearer=0.05))
+    solved = whole.frame()["status"] == "solved"
+    assert [row.trajectory is not None for row in small] == solved.tolist()
+    # Costs are 100 v and 100 v + 1: within 5 % at 1.1 m/s and above, not at 0.1 m/s.
+    least = [task.speed for unit in units for task in unit.tasks]
+    kept = [row.task.speed for row in small if row.multipliers is not None]
+    assert len(kept) == sum(1 + (speed >= 0.2) for speed in least)
+    index = next(index for index, row in enumerate(small) if row.multipliers is not None)
+    before, after = whole[index].multipliers, small[index].multipliers
+    assert before is not None and after is not None
+    assert (after.rows == before.rows.astype(np.float32)).all() and after.rows.dtype == np.float64
 
 
 def test_record_holds_the_whole_scenario(
@@ -122,5 +163,5 @@ def test_a_damaged_dataset_is_not_thinned(
     collected = collect(fill(store, units, make_solutions), scenario)
     collected.write_bytes(collected.read_bytes()[:-50])
     with pytest.raises(ValueError, match="truncated"):
-        thin(collected, store.folder / "small.parquet", keep_trajectories=1)
+        thin(collected, store.folder / "small.parquet", gaits=1, dearer=0.1)
     assert not (store.folder / "small.parquet").exists()

@@ -8,37 +8,45 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
-from gaitflow.config.tasks import Task
 from gaitflow.core.gaits import Pattern, gait_of
-from gaitflow.dataset.labels import COSTS, LABELS, TASK, gait_costs, label_tasks, mark_failed
+from gaitflow.core.task import Split, Task
+from gaitflow.dataset.labels import COSTS, LABELS, gait_costs, label_tasks, mark_failed
 
 LEGS = ("F", "H")
 GALLOP, WALK, BOUND = (gait_of(Pattern.from_text(text)).text for text in ("0110/1100", "0111/1101", "0001/0100"))
 NAMES = {GALLOP: "gallop", WALK: "walking", BOUND: "bounding"}
 
 
-def solve(task: Task, gait: str, cost: float, **other: Any) -> dict[str, Any]:
-    row = {"speed": task.speed, "cycle_duration": task.cycle_duration, "split": task.split, "pattern": gait}
-    return row | {"gait": gait, "status": "solved", "cost": cost, "violation": 1e-9} | other
+KNOTS = 10
+AXES = ["speed", "cycle_duration"]
+TASK = [*AXES, "split"]
+
+
+def at(speed: float, cycle_duration: float, split: Split = "grid", **others: float) -> Task:
+    return Task.of({"speed": speed, "cycle_duration": cycle_duration, **others}, split)
+
+
+def solve(task: Task, gait: str, cost: float, axes: Sequence[str] = AXES, **other: Any) -> dict[str, Any]:
+    row = {axis: task[axis] for axis in axes} | {"split": task.split, "pattern": gait}
+    known = {"gait": gait, "status": "solved", "cost": cost, "violation": 1e-9}
+    return row | known | {"refined_cost": np.nan, "refined_knots": 0} | other
 
 
 def labels_of(table: dict[Task, dict[str, float]], tolerance: float = 1e-3) -> pd.DataFrame:
     """Labels of the tasks in `table`, which holds the cost of each gait."""
     rows = [solve(task, gait, cost) for task, costs in table.items() for gait, cost in costs.items()]
     rows += [solve(task, WALK, np.nan, status="infeasible", violation=np.nan) for task in table]
-    return label_tasks(gait_costs(pd.DataFrame(rows), LEGS), list(table), tolerance)
+    return label_tasks(gait_costs(pd.DataFrame(rows), LEGS), list(table), tolerance, KNOTS)
 
 
 def grid(rows: Sequence[str], costs: dict[str, dict[str, float]]) -> dict[Task, dict[str, float]]:
     """A map drawn with a letter a task, speeds to the right and durations downwards."""
-    return {Task(float(v), float(t + 1)): costs[letter] for t, row in enumerate(rows) for v, letter in enumerate(row)}
+    return {at(float(v), float(t + 1)): costs[letter] for t, row in enumerate(rows) for v, letter in enumerate(row)}
 
 
 def test_a_gait_costs_what_its_cheapest_pattern_costs() -> None:
-    task = Task(0.5, 1.0)
+    task = at(0.5, 1.0)
     solutions = pd.DataFrame(
         [
             solve(task, WALK, 3.0, pattern="0111/1101"),
@@ -47,7 +55,7 @@ def test_a_gait_costs_what_its_cheapest_pattern_costs() -> None:
         ]
     )
     costs = gait_costs(solutions, LEGS)
-    assert list(costs.columns) == COSTS
+    assert list(costs.columns) == [*TASK, *COSTS]
     assert costs[["gait", "gait_key", "pattern", "cost"]].to_numpy().tolist() == [
         ["walking", WALK, "1110/1011", 1.5],
         ["gallop", GALLOP, "0110/1100", 2.0],
@@ -59,20 +67,20 @@ def test_a_gait_costs_what_its_cheapest_pattern_costs() -> None:
     [{"status": "failed"}, {"status": "infeasible"}, {"violation": 2e-6}, {"violation": np.nan}, {"cost": np.nan}],
 )
 def test_a_solve_that_does_not_hold_is_no_cost(reason: dict[str, Any]) -> None:
-    task = Task(0.5, 1.0)
+    task = at(0.5, 1.0)
     solutions = pd.DataFrame([solve(task, WALK, 1.0) | reason, solve(task, GALLOP, 2.0)])
     assert gait_costs(solutions, LEGS)["gait"].tolist() == ["gallop"]
 
 
 def test_grid_and_held_out_costs_of_one_task_stay_apart() -> None:
-    solutions = pd.DataFrame([solve(Task(0.5, 1.0, split), WALK, 1.0) for split in ("grid", "held_out")])
+    solutions = pd.DataFrame([solve(at(0.5, 1.0, split), WALK, 1.0) for split in ("grid", "held_out")])
     assert gait_costs(solutions, LEGS)["split"].tolist() == ["grid", "held_out"]
 
 
 def test_margin_runner_up_and_ties() -> None:
-    task = Task(0.5, 1.0)
+    task = at(0.5, 1.0)
     row = labels_of({task: {WALK: 2.0, GALLOP: 2.001, BOUND: 3.0}}, tolerance=1e-3).iloc[0]
-    assert list(row.index) == LABELS
+    assert list(row.index) == [*TASK, *LABELS]
     assert (row["gait"], row["gait_key"], row["pattern"], row["cost"]) == ("walking", WALK, WALK, 2.0)
     assert row["runner_up"] == "gallop"
     assert row["margin"] == pytest.approx(0.0005)
@@ -80,88 +88,81 @@ def test_margin_runner_up_and_ties() -> None:
     assert row["label"] == "walking"
 
 
+MESHES = [
+    # cost and refined cost of walking and gallop, knots of the finer mesh; winner, margin, error, resolved
+    ((2.0, 1.9), (2.1, 2.09), 20, "walking", 0.1, 0.1 / 1.9, True),
+    ((2.0, 1.9), (2.05, 1.8), 20, "gallop", 0.1 / 1.8, 0.25 / 1.8, False),
+    ((2.0, 1.9), (2.05, 1.8), 40, "gallop", 0.1 / 1.8, 0.25 / 1.8, True),  # a third of the error is left
+    ((2.0, 1.9), (2.05, 1.9001), 20, "walking", 0.0001 / 1.9, 0.1499 / 1.9001, True),  # a tie
+    ((2.0, 1.9), (2.2, np.nan), 20, "walking", 0.1, np.nan, False),  # misjudged like walking: 2.2 counts as 2.09
+    ((2.0, np.nan), (2.2, np.nan), 0, "walking", 0.1, np.nan, False),
+]
+
+
+@pytest.mark.parametrize(("walk", "gallop", "knots", "winner", "margin", "error", "resolved"), MESHES)
+def test_costs_on_a_finer_mesh_decide(
+    walk: tuple[float, float],
+    gallop: tuple[float, float],
+    knots: int,
+    winner: str,
+    margin: float,
+    error: float,
+    resolved: bool,
+) -> None:
+    task = at(0.5, 1.0)
+    rows = [
+        solve(task, gait, cost, refined_cost=finer, refined_knots=knots if np.isfinite(finer) else 0)
+        for gait, (cost, finer) in ((WALK, walk), (GALLOP, gallop))
+    ]
+    costs = gait_costs(pd.DataFrame(rows), LEGS)
+    row = label_tasks(costs, [task], 1e-3, KNOTS).iloc[0]
+    assert (row["gait"], row["label"], row["resolved"]) == (winner, winner, resolved)
+    assert row["margin"] == pytest.approx(margin) and row["cost_error"] == pytest.approx(error, nan_ok=True)
+    assert row["cost"] == {"walking": walk, "gallop": gallop}[winner][0]
+    assert costs["excess"].tolist() == [0.0, row["margin"]]
+
+
+def test_a_gait_is_represented_by_its_pattern_of_least_refined_cost() -> None:
+    task = at(0.5, 1.0)
+    rows = [
+        solve(task, WALK, 2.0, pattern="0111/1101", refined_cost=1.95, refined_knots=20),
+        solve(task, WALK, 2.1, pattern="1110/1011", refined_cost=1.9, refined_knots=20),
+    ]
+    costs = gait_costs(pd.DataFrame(rows), LEGS)
+    assert costs[["pattern", "cost", "refined_cost"]].to_numpy().tolist() == [["1110/1011", 2.1, 1.9]]
+
+
+def test_mirror_images_that_a_task_tells_apart_have_names_of_their_own() -> None:
+    left, right = "0011/1101/1110/1101", "1101/0011/1101/1110"
+    axes = [*AXES, "yaw_rate"]
+    legs = ("LF", "RF", "LH", "RH")
+    straight, turning = at(0.5, 1.0), at(0.5, 1.0, yaw_rate=0.4)
+    rows = [solve(straight, left, 1.0, axes), solve(turning, left, 1.0, axes), solve(turning, right, 2.0, axes)]
+    costs = gait_costs(pd.DataFrame(rows), legs)
+    names = costs["gait"].tolist()
+    assert names[0] == names[1] != names[2] and names[2].endswith(right)
+    labels = label_tasks(costs, [straight, turning], 1e-3, KNOTS)
+    assert labels["yaw_rate"].tolist() == [0.0, 0.4] and labels["runner_up"].tolist() == ["", names[2]]
+
+
 def test_a_single_feasible_gait_has_an_infinite_margin() -> None:
-    row = labels_of({Task(0.5, 1.0): {WALK: 2.0}}).iloc[0]
-    assert row["margin"] == np.inf
+    row = labels_of({at(0.5, 1.0): {WALK: 2.0}}).iloc[0]
+    assert row["margin"] == np.inf and row["resolved"]
     assert (row["runner_up"], row["ties"]) == ("", ["walking"])
 
 
 def test_a_task_without_a_feasible_gait_is_infeasible_and_keeps_its_place() -> None:
-    tasks = {Task(0.0, 1.0): {WALK: 1.0}, Task(1.0, 1.0): {}, Task(2.0, 1.0): {GALLOP: 1.0}}
+    tasks = {at(0.0, 1.0): {WALK: 1.0}, at(1.0, 1.0): {}, at(2.0, 1.0): {GALLOP: 1.0}}
     labels = labels_of(tasks)
     assert labels["status"].tolist() == ["solved", "infeasible", "solved"]
     assert labels[["gait", "gait_key", "pattern", "runner_up", "label"]].iloc[1].tolist() == [""] * 5
     assert labels["ties"].iloc[1] == []
-    assert labels[["cost", "margin"]].iloc[1].isna().all()
+    assert labels[["cost", "margin", "cost_error"]].iloc[1].isna().all() and not labels["resolved"].iloc[1]
 
 
 def test_a_map_where_nothing_is_feasible_has_labels_too() -> None:
-    labels = labels_of({Task(0.0, 1.0): {}, Task(1.0, 1.0): {}})
+    labels = labels_of({at(0.0, 1.0): {}, at(1.0, 1.0): {}})
     assert labels["status"].tolist() == ["infeasible", "infeasible"]
-
-
-COSTS_OF = {
-    "W": {WALK: 1.0, GALLOP: 2.0},
-    "G": {WALK: 2.0, GALLOP: 1.0},
-    "w": {WALK: 1.0, GALLOP: 1.0005, BOUND: 5.0},  # ties, walking a hair cheaper
-    "g": {WALK: 1.0005, GALLOP: 1.0, BOUND: 5.0},
-    "b": {BOUND: 1.0, GALLOP: 1.0005},
-    ".": {},
-}
-
-
-def drawn(labels: pd.DataFrame, width: int) -> list[str]:
-    letters = "".join(label[0] if label else "." for label in labels[labels["split"] == "grid"]["label"])
-    return [letters[i : i + width] for i in range(0, len(letters), width)]
-
-
-@pytest.mark.parametrize(
-    ("costs", "expected"),
-    [
-        (["WWW", "WgW", "WWW"], ["www", "www", "www"]),  # noise inside a region goes
-        (["WWW", "WGW", "WWW"], ["www", "wgw", "www"]),  # a gait that is really cheaper stays
-        (["WWWGGG", "WgwgwG", "WWWGGG"], ["wwwggg", "wwwggg", "wwwggg"]),  # it spreads from task to task
-        (["WWW", "WbW", "WWW"], ["www", "wbw", "www"]),  # never to a gait outside the ties
-        (["w.g"], ["w.g"]),  # no neighbour, no change
-        (["wg"], ["gg"]),  # and one that ties alone decides
-    ],
-)
-def test_within_ties_a_label_follows_its_neighbourhood(costs: list[str], expected: list[str]) -> None:
-    labels = labels_of(grid(costs, COSTS_OF))
-    assert drawn(labels, len(costs[0])) == expected
-
-
-def test_labels_do_not_depend_on_the_order_of_rows() -> None:
-    table = grid(["WwgG", "wgwg", "gwgw", "WgwG"], COSTS_OF)
-    forwards = labels_of(table).sort_values(TASK).reset_index(drop=True)
-    backwards = labels_of(dict(reversed(table.items()))).sort_values(TASK).reset_index(drop=True)
-    pd.testing.assert_frame_equal(forwards, backwards)
-
-
-@given(st.lists(st.text("WGwgb.", min_size=5, max_size=5), min_size=1, max_size=5))
-def test_every_label_ties_with_the_cheapest_gait_and_no_neighbourhood_outvotes_it(rows: list[str]) -> None:
-    labels = labels_of(grid(rows, COSTS_OF))
-    solved = labels[labels["status"] == "solved"]
-    assert all(label in ties for label, ties in zip(solved["label"], solved["ties"], strict=True))
-    place = {(row.speed, row.cycle_duration): row for row in labels.itertuples()}
-    for (v, t), row in place.items():
-        around = [place.get((v + dv, t + dt)) for dv in (-1, 0, 1) for dt in (-1, 0, 1) if (dv, dt) != (0, 0)]
-        votes = [other.label for other in around if other is not None]
-        assert all(votes.count(gait) <= votes.count(row.label) for gait in row.ties)
-
-
-def test_held_out_tasks_follow_the_grid_and_never_lead_it() -> None:
-    table = grid(["WWW", "WgW", "WWW"], COSTS_OF)
-    alone = labels_of(table)
-    held = {
-        Task(0.5, 1.5, "held_out"): COSTS_OF["g"],
-        Task(1.0, 2.0, "held_out"): COSTS_OF["G"],
-        Task(1.1, 2.1, "held_out"): COSTS_OF["G"],
-        Task(0.9, 2.1, "held_out"): COSTS_OF["g"],
-    }
-    together = labels_of(table | held)
-    pd.testing.assert_frame_equal(together.iloc[: len(alone)], alone)
-    assert together["label"].iloc[len(alone) :].tolist() == ["walking", "gallop", "gallop", "walking"]
 
 
 IMPOSSIBLE = ("screened", "stance travel and swing speed do not fit into the cycle")
@@ -188,10 +189,10 @@ LIMIT = ("failed", "Maximum_Iterations_Exceeded")
 def test_a_task_is_infeasible_only_when_every_pattern_got_that_verdict(
     tried: list[tuple[str, str]], status: str
 ) -> None:
-    one, solved = Task(0.1, 0.4), Task(0.3, 0.4)
+    one, solved = at(0.1, 0.4), at(0.3, 0.4)
     rows = [solve(one, WALK, np.nan, status=end, solver_status=said, violation=np.nan) for end, said in tried]
     rows += [solve(solved, WALK, 2.0, solver_status="Solve_Succeeded")]
     rows += [solve(solved, GALLOP, np.nan, status=end, solver_status=said) for end, said in tried]
     solutions = pd.DataFrame(rows)
-    labels = label_tasks(gait_costs(solutions, LEGS), [one, solved], 1e-3)
+    labels = label_tasks(gait_costs(solutions, LEGS), [one, solved], 1e-3, KNOTS)
     assert mark_failed(labels, solutions)["status"].tolist() == [status, "solved"]

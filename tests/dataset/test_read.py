@@ -12,6 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from gaitflow.config.scenario import Scenario
+from gaitflow.core.check import FEASIBLE, worst
 from gaitflow.dataset import Solutions, load_solutions
 from gaitflow.dataset.collect import collect
 from gaitflow.search.solution import Solution
@@ -35,11 +36,30 @@ def test_arrays_have_the_documented_shapes(dataset: Path) -> None:
     assert solved
     for row in solved:
         assert row.times.shape == (k + 1,) and row.base.shape == (k + 1, nb) and row.feet.shape == (k + 1, legs, d)
-        assert row.forces.shape == (k, legs, d) and row.foot_velocities.shape == (k, legs, d)
+        assert row.forces.shape == row.end_forces.shape == row.foot_velocities.shape == (k, legs, d)
         assert row.durations.shape == (phases,)
         assert row.base.dtype == np.float64 and isinstance(row.cost, float) and "/" in row.pattern
     (infeasible, *_) = [row for row in solutions if row.status == "infeasible"]
     assert infeasible.times is None and infeasible.base is None and np.isnan(infeasible.violation)
+    assert infeasible.end_forces is None and np.isnan(infeasible.refined_cost)
+
+
+def test_a_dataset_of_an_older_version_comes_in_today_s_form(checkout: Path) -> None:
+    solutions = load_solutions(checkout / "datasets/half-cheetah-slope20-vibration/1.0.0")
+    scenario = Scenario.from_data(solutions.record["scenario"], "record")
+    assert scenario.tasks.axes["slope"] == 20.0 and scenario.transcription.forces == "held"
+    frame = solutions.frame()
+    assert frame["refined_cost"].isna().all() and (frame["refined_knots"] == 0).all()
+    row = next(row for row in solutions if row.trajectory is not None)
+    assert row.task["slope"] == 20.0 and row.task["friction"] == 0.8 and row.speed == row.task["speed"] > 0
+    assert (row.forces == row.end_forces).all()
+    assert worst(solutions.record["scenario"], row.trajectory, row.task, row.pattern) <= FEASIBLE
+    assert row.multipliers is not None and row.multipliers.bounds.ndim == 1
+
+
+def test_a_part_of_a_run_is_no_dataset(store: UnitStore, dataset: Path, units: tuple[Unit, ...]) -> None:
+    with pytest.raises(ValueError, match="one unit of a run"):
+        load_solutions(store.path(units[0].digest))
 
 
 def test_it_is_a_sequence(dataset: Path) -> None:

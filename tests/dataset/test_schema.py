@@ -3,7 +3,7 @@ from __future__ import annotations
 import dataclasses
 import io
 from collections.abc import Callable
-from typing import get_args
+from typing import Any, get_args
 
 import numpy as np
 import pyarrow as pa
@@ -13,17 +13,22 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gaitflow.config.scenario import Scenario
+from gaitflow.core.layout import Layout
+from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Trajectory
 from gaitflow.dataset.schema import (
-    HEAVY,
+    MULTIPLIERS,
     SCALARS,
-    Sizes,
+    TRAJECTORY,
+    scalar_columns,
     schema_difference,
     solution_schema,
     solutions_to_table,
     table_to_solutions,
+    task_columns,
 )
-from gaitflow.search.solution import Multipliers, Solution, Status
+from gaitflow.search.solution import Solution, Status
+from gaitflow.solvers.point import Multipliers
 from gaitflow.store.units import Unit
 
 NUMBER = st.floats(allow_nan=True, allow_infinity=True, width=64)
@@ -35,37 +40,76 @@ def arrays(*shape: int) -> st.SearchStrategy[np.ndarray]:
     return st.lists(NUMBER, min_size=size, max_size=size).map(lambda xs: np.array(xs, dtype=np.float64).reshape(shape))
 
 
-def solutions(sizes: Sizes) -> st.SearchStrategy[Solution]:
-    k, legs, d = sizes.steps, sizes.legs, sizes.dimension
-    trajectory = st.builds(
-        Trajectory,
+def small(linear: bool, knots: int = 2) -> dict[str, Any]:
+    """A scenario's JSON data, as much of it as tables look at: one leg in the plane, 2 phases."""
+    return {
+        "name": "small",
+        "robot": {"dimension": 2, "legs": [{"name": "F"}], "mass": 1.0},
+        "transcription": {"phases": 2, "knots_per_phase": knots, "forces": "linear" if linear else "held"},
+        "tasks": {
+            "axes": {
+                "speed": {"start": 0.0, "stop": 1.0, "count": 2},
+                "cycle_duration": 0.5,
+                "slope": {"start": -5.0, "stop": 5.0, "count": 2},
+                "friction": 0.6,
+            }
+        },
+    }
+
+
+HELD, LINEAR = small(linear=False), small(linear=True)
+
+
+def motions(scenario: dict[str, Any]) -> st.SearchStrategy[Trajectory]:
+    layout = Layout.of(scenario)
+    k, legs, d = layout.steps, layout.legs, layout.dimension
+
+    def built(ends: np.ndarray, forces: np.ndarray, **arrays: np.ndarray) -> Trajectory:
+        end_forces = forces
+        if layout.linear_forces:
+            end_forces = np.roll(forces, -1, axis=0)
+            end_forces[layout.knots_per_phase - 1 :: layout.knots_per_phase] = ends
+        return Trajectory(forces=forces, end_forces=end_forces, **arrays)
+
+    return st.builds(
+        built,
+        ends=arrays(layout.phases, legs, d),
         times=arrays(k + 1),
-        base=arrays(k + 1, sizes.base_states),
+        base=arrays(k + 1, layout.nb),
         feet=arrays(k + 1, legs, d),
         forces=arrays(k, legs, d),
         foot_velocities=arrays(k, legs, d),
-        durations=arrays(sizes.phases),
+        durations=arrays(layout.phases),
     )
+
+
+def solutions(scenario: dict[str, Any]) -> st.SearchStrategy[Solution]:
     multipliers = st.builds(
         Multipliers, bounds=st.integers(0, 3).flatmap(arrays), rows=st.integers(0, 3).flatmap(arrays)
     )
-    numbers = dict.fromkeys(("speed", "cycle_duration", "cost", "violation", "wall_s", "cpu_s"), NUMBER)
+    task = st.builds(
+        lambda speed, slope, split: Task.of(
+            {"speed": speed, "cycle_duration": 0.5, "slope": slope, "friction": 0.6}, split
+        ),
+        st.floats(-20.0, 20.0),
+        st.floats(-59.0, 59.0),
+        st.sampled_from(["grid", "held_out"]),
+    )
+    numbers = dict.fromkeys(("cost", "refined_cost", "violation", "wall_s", "cpu_s"), NUMBER)
     texts = dict.fromkeys(("pattern", "gait", "strategy", "start", "solver_status"), st.text(max_size=9))
     return st.builds(
         Solution,
         **numbers,
         **texts,
-        split=st.sampled_from(["grid", "held_out"]),
+        task=task,
         status=st.sampled_from(get_args(Status)),
         seed=COUNT,
         iterations=COUNT,
         solves=COUNT,
-        trajectory=st.none() | trajectory,
+        refined_knots=COUNT,
+        trajectory=st.none() | motions(scenario),
         multipliers=st.none() | multipliers,
     )
-
-
-SMALL = Sizes(steps=2, base_states=6, legs=1, dimension=2, phases=2)
 
 
 def same(a: object, b: object) -> bool:
@@ -81,12 +125,14 @@ def same(a: object, b: object) -> bool:
     return a == b
 
 
+@pytest.mark.parametrize("scenario_data", [HELD, LINEAR], ids=["held", "linear"])
 @settings(max_examples=60)
-@given(st.lists(solutions(SMALL), max_size=4))
-def test_round_trip_through_parquet_is_exact(rows: list[Solution]) -> None:
+@given(st.data())
+def test_round_trip_through_parquet_is_exact(scenario_data: dict[str, Any], data: st.DataObject) -> None:
+    rows = data.draw(st.lists(solutions(scenario_data), max_size=4))
     buffer = io.BytesIO()
-    pq.write_table(solutions_to_table(rows, SMALL), buffer)
-    back = list(table_to_solutions(pq.read_table(buffer)))
+    pq.write_table(solutions_to_table(rows, scenario_data), buffer)
+    back = list(table_to_solutions(pq.read_table(buffer), scenario_data))
     assert len(back) == len(rows)
     assert all(same(a, b) for a, b in zip(rows, back, strict=True))
 
@@ -94,38 +140,59 @@ def test_round_trip_through_parquet_is_exact(rows: list[Solution]) -> None:
 def test_a_slice_of_a_table_gives_its_own_rows(
     units: tuple[Unit, ...], make_solutions: Callable[[Unit], list[Solution]]
 ) -> None:
-    rows = make_solutions(units[0])
-    table = solutions_to_table(rows, Sizes.of(units[0].scenario))
+    rows, scenario = make_solutions(units[0]), units[0].scenario.as_data()
+    table = solutions_to_table(rows, scenario)
     for start in range(len(rows)):
-        back = list(table_to_solutions(pa.concat_tables([table.slice(start, 2), table.slice(0, 1)])))
+        back = list(table_to_solutions(pa.concat_tables([table.slice(start, 2), table.slice(0, 1)]), scenario))
         assert all(same(a, b) for a, b in zip([*rows[start : start + 2], rows[0]], back, strict=True))
 
 
-def test_sizes_and_metadata_follow_the_scenario(scenario: Scenario) -> None:
-    sizes = Sizes.of(scenario)
-    assert sizes == Sizes(steps=8, base_states=6, legs=2, dimension=2, phases=4)
-    schema = solution_schema(sizes)
+def test_columns_shapes_and_units_follow_the_scenario(scenario: Scenario) -> None:
+    schema = solution_schema(scenario.as_data())
     assert schema.field("base").metadata[b"shape"] == b"9,6"
     assert schema.field("forces").metadata == {b"unit": b"N", b"shape": b"8,2,2", b"axes": b"step,leg,coordinate"}
-    assert set(schema.names) == {*SCALARS, *HEAVY}
-    assert {field.name for field in dataclasses.fields(Solution)} - set(SCALARS) == {"trajectory", "multipliers"}
+    assert schema.field("end_forces").metadata[b"shape"] == b"4,2,2"
+    assert schema.names == ["speed", "cycle_duration", *SCALARS, *TRAJECTORY, *MULTIPLIERS]
+    assert {field.name for field in dataclasses.fields(Solution)} - set(SCALARS) == {
+        "task", "trajectory", "multipliers",
+    }  # fmt: skip
+
+
+def test_an_axis_with_a_range_has_a_column_and_held_forces_have_no_end() -> None:
+    schema = solution_schema(HELD)
+    assert task_columns(schema.names) == ["speed", "cycle_duration", "slope", "split"]
+    assert scalar_columns(schema.names) == ["speed", "cycle_duration", "slope", *SCALARS]
+    assert schema.field("slope").metadata == {b"unit": b"deg"}
+    assert "end_forces" not in schema.names
 
 
 def test_an_array_of_another_shape_is_refused_by_name(
     units: tuple[Unit, ...], make_solutions: Callable[[Unit], list[Solution]]
 ) -> None:
-    sizes = Sizes.of(units[0].scenario)
+    scenario = units[0].scenario.as_data()
+    scenario["transcription"]["knots_per_phase"] = 3
     with pytest.raises(ValueError, match=r"times has the shape \(9,\)"):
-        solutions_to_table(make_solutions(units[0]), dataclasses.replace(sizes, steps=9))
+        solutions_to_table(make_solutions(units[0]), scenario)
+
+
+def test_a_task_that_the_scenario_cannot_have_is_refused(
+    units: tuple[Unit, ...], make_solutions: Callable[[Unit], list[Solution]]
+) -> None:
+    rows, scenario = make_solutions(units[0]), units[0].scenario.as_data()
+    uphill = dataclasses.replace(rows[0], task=rows[0].task.replaced(slope=10.0))
+    with pytest.raises(ValueError, match="slope 10 deg"):
+        solutions_to_table([uphill], scenario)
 
 
 def test_tables_of_others_are_refused() -> None:
     with pytest.raises(ValueError, match="lacks the column"):
-        list(table_to_solutions(pa.table({"speed": [1.0]})))
-    schema = solution_schema(SMALL)
+        list(table_to_solutions(pa.table({"speed": [1.0]}), HELD))
+    schema = solution_schema(HELD)
     bare = pa.schema([field.remove_metadata() for field in schema])
     with pytest.raises(ValueError, match="with the shape ''"):
-        list(table_to_solutions(solutions_to_table([], SMALL).cast(bare)))
+        list(table_to_solutions(solutions_to_table([], HELD).cast(bare), HELD))
+    with pytest.raises(ValueError, match=r"column times is .* expected the shape \(7,\)"):
+        list(table_to_solutions(solutions_to_table([], HELD), small(linear=False, knots=3)))
     assert "column times" in (schema_difference(bare, schema) or "")
     assert schema_difference(schema.remove(0), schema) == "columns differ: speed"
     assert schema_difference(schema, schema) is None
