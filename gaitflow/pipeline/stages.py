@@ -6,8 +6,7 @@ Pure functions of the packages below do the work; here they get their files, and
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,7 +28,6 @@ GUIDED_REMARK = (
     "the search was guided: a pick counts as infeasible where it was not solved at that task, be it for want of a "
     "motion or because a probe was too dear to go on with; regret is over the other picks"
 )
-KEPT_GAITS = 3  # cheapest gaits of a task that keep their trajectory in a published dataset
 
 
 class StageMissing(RuntimeError):
@@ -86,16 +84,16 @@ def label(workspace: Workspace, scenario: Scenario) -> pd.DataFrame:
     """Label every task with its cheapest gait; writes the labels and the gaits' costs."""
     from gaitflow.config.tasks import tasks_of
     from gaitflow.dataset import load_solutions
-    from gaitflow.dataset.gaps import GAP, gaps_between_knots
+    from gaitflow.dataset.gaps import with_motion_checks
     from gaitflow.dataset.labels import gait_costs, label_tasks, mark_failed
 
     run = workspace.run(scenario)
     _need(run.solutions, f"gaitflow solve {scenario.name}")
     solutions = load_solutions(run.solutions)
     costs = gait_costs(solutions.frame(), scenario.robot.leg_names)
-    labels = label_tasks(costs, tasks_of(scenario), scenario.learning.tie_tolerance)
-    labels = mark_failed(labels, solutions.frame())
-    labels[GAP] = gaps_between_knots(labels, solutions)
+    tolerance, knots = scenario.learning.tie_tolerance, scenario.transcription.knots_per_phase
+    labels = mark_failed(label_tasks(costs, tasks_of(scenario), tolerance, knots), solutions.frame())
+    labels = with_motion_checks(labels, solutions)
     _write_frame(run.gait_costs, costs)
     _write_frame(run.labels, labels)
     return labels
@@ -161,7 +159,10 @@ def atlas(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
 
 
 def publish(workspace: Workspace, scenario: Scenario, version: str | None) -> PublishedRun:
-    """Publish the dataset and the map under one version; the same content is not published twice."""
+    """Publish the dataset, then the map that was learnt from it, which has a version of its own.
+
+    The same content is not published twice. `version` is the map's, by default the next free one.
+    """
     import pandas as pd
 
     from gaitflow.dataset import load_solutions
@@ -183,6 +184,7 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None) -> Pu
     starts = region_means(labels, solutions, problem.layout.pack)
     predictors = read_json(run.predictors)
     known, gaits = _atlas_of(run, problem)
+    dataset = publish_dataset(workspace.datasets, run.solutions, run.labels, run.gait_costs)
     parts = Parts(
         problem=problem,
         feasible=_feasible(labels).to_numpy(dtype=bool),
@@ -191,15 +193,12 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None) -> Pu
         classes=learning["classes"],
         starts=[start for start in starts if start.gait in learning["classes"]],
         atlas=known.of([gaits.index(gait) for gait in learning["classes"]]),
-        dataset={"digest": solutions.record["units_digest"], "version": "units"},
+        dataset={"name": scenario.name, "version": dataset.name},
         code=made_by(),
         metrics=learning | {"atlas": predictors},
         solver_options=IPOPT_WARM,
     )
     model = publish_map(workspace.models, parts, version)
-    dataset = workspace.datasets / scenario.name / model.name
-    with _thinned(run) as solutions_file:
-        publish_dataset(dataset, solutions_file, run.labels, run.gait_costs)
     done = PublishedRun(model.name, dataset, model)
     write_json(run.published, {"version": done.version, "dataset": str(dataset), "model": str(model)})
     return done
@@ -248,14 +247,14 @@ def claims(workspace: Workspace) -> tuple[Claim, ...]:
 def verify(path: Path) -> list[str]:
     """Every fault of a published model or dataset. Raises ValueError when `path` is neither."""
     from gaitflow.dataset.read import FILE_NAME
-    from gaitflow.dataset.verify import verify_dataset
     from gaitflow.publishing import verify as verify_map
+    from gaitflow.publishing.verify_dataset import verify_dataset
     from gaitflow.runtime.files import CLASSIFIER
 
     if not path.is_dir():
         raise ValueError(f"{path}: no such folder; give a version's folder such as models/<scenario>/1.0.0")
     if (path / FILE_NAME).exists():
-        return verify_dataset(path)
+        return [str(finding) for finding in verify_dataset(path)]
     if (path / CLASSIFIER).exists() or (path / "manifest.json").exists():
         return [str(finding) for finding in verify_map(path)]
     raise ValueError(f"{path}: holds neither a model nor a dataset; give a version's folder")
@@ -304,18 +303,6 @@ def _feasible(labels: pd.DataFrame) -> pd.DataFrame:
     """Which tasks of the grid, speeds by cycle durations, have a feasible gait."""
     grid = labels[labels["split"] == "grid"]
     return grid.assign(ok=grid["status"] == "solved").pivot(index="speed", columns="cycle_duration", values="ok")
-
-
-@contextmanager
-def _thinned(run: Run) -> Iterator[Path]:
-    """The dataset as it is published, with the trajectories of the cheapest gaits only."""
-    from gaitflow.dataset.collect import thin
-
-    target = run.folder / "thin-solutions.parquet"
-    try:
-        yield thin(run.solutions, target, KEPT_GAITS)
-    finally:
-        target.unlink(missing_ok=True)
 
 
 def _write_frame(path: Path, frame: pd.DataFrame) -> None:
