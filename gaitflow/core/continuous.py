@@ -73,16 +73,16 @@ def step_gaps(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task) -
 
 
 def step_shares(settings: Mapping[str, Any]) -> Array:
-    """What part of its phase each step lasts: even knots, the projections of even arcs, or those of such projections.
+    """What part of its phase each step lasts; `settings` is a scenario's `transcription`.
 
-    `settings` is a scenario's `transcription`.
+    Knots lie between even ones (grading 0), the projections of even arcs on a diameter (1), and the projections of
+    those taken as arcs (2).
     """
     n, grading = int(settings["knots_per_phase"]), float(settings.get("grading", 0.0))
-    even = np.arange(n + 1) / n
-    arcs = np.sin(np.pi / 2 * even) ** 2
-    knots = (even, arcs, np.sin(np.pi / 2 * arcs) ** 2)
-    below = min(int(grading), 1)
-    return np.diff((1 + below - grading) * knots[below] + (grading - below) * knots[below + 1])
+    coarse = np.arange(n + 1) / n
+    while grading > 1:
+        coarse, grading = np.sin(np.pi / 2 * coarse) ** 2, grading - 1
+    return np.diff(coarse + grading * (np.sin(np.pi / 2 * coarse) ** 2 - coarse))
 
 
 @dataclass(frozen=True)

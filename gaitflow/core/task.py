@@ -41,6 +41,10 @@ class Axis:
         """Whether a value is a finite number from `low` to `high`."""
         return math.isfinite(value) and self.low <= value <= self.high
 
+    def written(self, value: float) -> str:
+        """A value with its unit for a reader: "0.9 m/s", and "0.8" where there is no unit."""
+        return f"{value:g}" if self.unit == "1" else f"{value:g} {self.unit}"
+
 
 # In the order of the task's parameters in every problem.
 AXES: dict[str, Axis] = {
@@ -82,7 +86,7 @@ class Task:
             if value is None:
                 raise ValueError(f"a task needs a {name} [{AXES[name].unit}]")
             if not AXES[name].admits(value):
-                raise ValueError(f"{name} = {value:g} {AXES[name].unit}: must lie in {span(name)}")
+                raise ValueError(f"{name} = {AXES[name].written(value)}: must lie in {span(name)}")
         return cls(tuple(float(value) for value in chosen.values() if value is not None), split)
 
     def __getitem__(self, axis: str) -> float:
@@ -125,9 +129,9 @@ class Task:
 
     def text(self, axes: Iterable[str] = ("speed", "cycle_duration")) -> str:
         """The values on some axes for a reader: "speed 0.9 m/s, cycle_duration 0.6 s"."""
-        return ", ".join(f"{axis} {self[axis]:g} {AXES[axis].unit}" for axis in axes)
+        return ", ".join(f"{axis} {AXES[axis].written(self[axis])}" for axis in axes)
 
 
 def span(axis: str) -> str:
     """The physical range of an axis for a reader: "-20 to 20 m/s"."""
-    return f"{AXES[axis].low:g} to {AXES[axis].high:g} {AXES[axis].unit}"
+    return f"{AXES[axis].low:g} to {AXES[axis].written(AXES[axis].high)}"

@@ -45,7 +45,7 @@ class TaskSpace:
                 raise ValueError(f"axis {str(axis)[:80]!r} is unknown here; the axes are {', '.join(self.ranged)}")
             if value != held:
                 raise ValueError(
-                    f"{axis} = {value:g}: it is fixed at {held:g} {AXES[axis].unit} here; "
+                    f"{axis} = {value:g}: it is fixed at {AXES[axis].written(held)} here; "
                     f"the axes are {', '.join(self.ranged)}"
                 )
         missing = [axis for axis in self.ranged if axis not in values]

@@ -11,10 +11,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gaitflow.core.gaits import Pattern, all_patterns, can_move, diagram, gait_of, representative
+from gaitflow.core.gaits import NO_SYMMETRY, Pattern, Symmetry, all_patterns, can_move, diagram, gait_of, representative
 
 QUADRUPED = ("LF", "RF", "LH", "RH")
 MIRROR = (1, 0, 3, 2)
+SWAP = (2, 3, 0, 1)  # front and hind
+LEFT_RIGHT = Symmetry(mirror=MIRROR)
+SYMMETRIES = (NO_SYMMETRY, LEFT_RIGHT, Symmetry(reversal=SWAP), Symmetry(MIRROR, SWAP))
 FIGURE_5 = {
     "walking": ("0111", "1101"),
     "gallop": ("0110", "1100"),
@@ -79,16 +82,42 @@ def test_rotation_moves_the_cut() -> None:
 
 @given(quadruped_patterns, st.integers(-10, 10))
 def test_the_gait_does_not_depend_on_where_the_cycle_is_cut(pattern: Pattern, cut: int) -> None:
-    for mirror in (None, MIRROR):
-        assert gait_of(pattern.rotated(cut), mirror) == gait_of(pattern, mirror)
-        assert representative(pattern.rotated(cut), mirror) == representative(pattern, mirror)
+    for symmetry in SYMMETRIES:
+        assert gait_of(pattern.rotated(cut), symmetry) == gait_of(pattern, symmetry)
+        assert representative(pattern.rotated(cut), symmetry) == representative(pattern, symmetry)
 
 
 @given(quadruped_patterns)
 def test_the_gait_does_not_depend_on_left_and_right(pattern: Pattern) -> None:
     assert pattern.mirrored(MIRROR).mirrored(MIRROR) == pattern
-    assert gait_of(pattern.mirrored(MIRROR), MIRROR) == gait_of(pattern, MIRROR)
-    assert representative(pattern.mirrored(MIRROR), MIRROR) == representative(pattern, MIRROR)
+    assert gait_of(pattern.mirrored(MIRROR), LEFT_RIGHT) == gait_of(pattern, LEFT_RIGHT)
+    assert representative(pattern.mirrored(MIRROR), LEFT_RIGHT) == representative(pattern, LEFT_RIGHT)
+
+
+@given(quadruped_patterns)
+def test_a_pattern_run_backwards_is_the_same_gait_where_time_is_symmetric(pattern: Pattern) -> None:
+    assert pattern.reversed(SWAP).reversed(SWAP) == pattern
+    assert pattern.reversed(SWAP).column(0) == pattern.mirrored(SWAP).column(pattern.phases - 1)
+    for symmetry in (Symmetry(reversal=SWAP), Symmetry(MIRROR, SWAP)):
+        assert gait_of(pattern.reversed(SWAP), symmetry) == gait_of(pattern, symmetry)
+        assert representative(pattern.reversed(SWAP), symmetry) == representative(pattern, symmetry)
+    both = Symmetry(MIRROR, SWAP)
+    assert gait_of(pattern.mirrored(MIRROR).reversed(SWAP).rotated(1), both) == gait_of(pattern, both)
+
+
+@given(quadruped_patterns)
+def test_more_symmetry_merges_more(pattern: Pattern) -> None:
+    """A gait under two symmetries is the smallest of those under one: no merge is lost, and none is invented."""
+    images = [pattern, pattern.mirrored(MIRROR), pattern.reversed(SWAP), pattern.mirrored(MIRROR).reversed(SWAP)]
+    for symmetry, chosen in zip(SYMMETRIES, ((0,), (0, 1), (0, 2), (0, 1, 2, 3)), strict=True):
+        assert gait_of(pattern, symmetry) == min(gait_of(images[i]) for i in chosen)
+
+
+@pytest.mark.parametrize(("one", "other"), [("0111/1101", "0111/1101"), ("0011/0110", "0110/1100")])
+def test_time_reversal_in_the_plane(one: str, other: str) -> None:
+    """Front and hind swap: of a gallop with the flight before the front's stance comes one with it after."""
+    swap = Symmetry(reversal=(1, 0))
+    assert gait_of(Pattern.from_text(one).reversed((1, 0)), swap) == gait_of(Pattern.from_text(other), swap)
 
 
 @given(patterns, st.data())
@@ -99,9 +128,9 @@ def test_the_gait_does_not_depend_on_split_phases(pattern: Pattern, data: st.Dat
 
 @given(quadruped_patterns)
 def test_canonical_forms_are_their_own(pattern: Pattern) -> None:
-    for mirror in (None, MIRROR):
-        assert representative(representative(pattern, mirror), mirror) == representative(pattern, mirror)
-        assert gait_of(gait_of(pattern, mirror), mirror) == gait_of(pattern, mirror)
+    for symmetry in SYMMETRIES:
+        assert representative(representative(pattern, symmetry), symmetry) == representative(pattern, symmetry)
+        assert gait_of(gait_of(pattern, symmetry), symmetry) == gait_of(pattern, symmetry)
 
 
 @given(planar_patterns, planar_patterns)
@@ -171,9 +200,9 @@ def test_counts_of_a_quadruped() -> None:
     found = all_patterns(4, 4)
     assert time.process_time() - begun < 3.0
     assert len(found) == 16_456
-    mirrored = all_patterns(4, 4, mirror=MIRROR)
-    assert set(mirrored) == {representative(pattern, MIRROR) for pattern in found}
-    single = all_patterns(4, 4, stances_per_leg=1, mirror=MIRROR)
+    mirrored = all_patterns(4, 4, symmetry=LEFT_RIGHT)
+    assert set(mirrored) == {representative(pattern, LEFT_RIGHT) for pattern in found}
+    single = all_patterns(4, 4, stances_per_leg=1, symmetry=LEFT_RIGHT)
     assert len(single) == 2_628
     assert all(pattern.touchdowns(leg) == 1 for pattern in single for leg in range(4))
 
