@@ -169,13 +169,12 @@ def publish(workspace: Workspace, scenario: str, version: str | None, as_json: b
     Example: gaitflow publish quickstart
     """
     from gaitflow.publishing import PublishError
-    from gaitflow.publishing.dataset import DatasetExists
 
     with bad_input():
         resolved = workspace.scenario(scenario)
         try:
             done = stages.publish(workspace, resolved, version)
-        except (PublishError, DatasetExists) as error:
+        except PublishError as error:
             fail(str(error))
     if as_json:
         return print_json({"version": done.version, "dataset": str(done.dataset), "model": str(done.model)})
