@@ -132,7 +132,7 @@ class Atlas:
     def predict(self, sheet: int, place: Array) -> Prediction | None:
         """The start of a sheet at a place; None where no node is within reach."""
         nodes, chosen = self._nodes[sheet], self.sheets[sheet]
-        near, offsets, distances = nodes.around(place / self.steps)
+        near, offsets, distances = nodes.around(place)
         within = int(np.searchsorted(distances, REACH))
         if not within:
             return None
@@ -152,7 +152,7 @@ class Atlas:
         Nodes out of reach are taken as they are: so far no tangent leads.
         """
         nodes, chosen = self._nodes[sheet], self.sheets[sheet]
-        near, offsets, distances = nodes.around(place / self.steps, count)
+        near, offsets, distances = nodes.around(place, count)
         offsets = np.where(distances[:, None] < REACH, offsets, 0.0)
         logs = nodes.logs[near] - (offsets * nodes.slopes[near]).sum(axis=1)
         moved = nodes.coordinates(near) - _along(nodes.tangents(near), offsets)
@@ -167,7 +167,7 @@ class Atlas:
         if self.costs(place)[1][sheet] < SUPPORT:
             return float("inf")
         nodes = self._nodes[sheet]
-        near, offsets, distances = nodes.around(place / self.steps, 2 ** len(self.axes))
+        near, offsets, distances = nodes.around(place, 2 ** len(self.axes))
         promises = (nodes.logs[near] - (offsets * nodes.slopes[near]).sum(axis=1))[distances < REACH]
         return float(np.exp(min(promises.max(), LARGEST_LOG)))
 
@@ -192,10 +192,10 @@ class _Nodes:
         self._sheet, self._steps = sheet, steps
         self.places, self.logs, self.slopes = sheet.tasks / steps, np.log(sheet.costs), sheet.slopes * steps
 
-    def around(self, asked: Array, count: int | None = None) -> tuple[NDArray[np.intp], Array, Array]:
+    def around(self, place: Array, count: int | None = None) -> tuple[NDArray[np.intp], Array, Array]:
         """`count` or all nodes, nearest to a place [a] first: numbers [n], offsets from it [n, a] and distances [n]."""
         with np.errstate(over="ignore"):  # however far a task lies beyond
-            offsets = self.places - asked
+            offsets = self.places - place / self._steps
             distances = np.hypot.reduce(offsets, axis=1)
         order = np.argsort(distances, kind="stable")[:count]
         return order, offsets[order], distances[order]

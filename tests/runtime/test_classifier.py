@@ -28,7 +28,7 @@ def graph(
 
 
 def test_answers_any_number_of_tasks() -> None:
-    classifier = Classifier(graph(), 3, "c")
+    classifier = Classifier(graph(), 2, 3, "c")
     assert classifier(np.array([[1, 2], [3, 4]], dtype=np.float32)).tolist() == [[3, 3, 3], [7, 7, 7]]
 
 
@@ -44,7 +44,12 @@ def test_answers_any_number_of_tasks() -> None:
 )
 def test_other_graphs_are_refused(content: bytes, fault: str) -> None:
     with pytest.raises(ArtifactError, match=f"^c: .*{fault}"):
-        Classifier(content, 3, "c")
+        Classifier(content, 2, 3, "c")
+
+
+def test_a_graph_of_another_number_of_axes_is_refused() -> None:
+    with pytest.raises(ArtifactError, match=r"^c: the classifier failed"):
+        Classifier(graph(), 3, 3, "c")
 
 
 def test_a_graph_cannot_read_other_files(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -52,4 +57,4 @@ def test_a_graph_cannot_read_other_files(tmp_path, monkeypatch: pytest.MonkeyPat
     monkeypatch.chdir(tmp_path)
     for location in ("secret.bin", "./secret.bin", str(tmp_path / "secret.bin"), f"../{tmp_path.name}/secret.bin"):
         with pytest.raises(ArtifactError, match="cannot load it"):
-            Classifier(graph(external=location), 3, "c")
+            Classifier(graph(external=location), 2, 3, "c")

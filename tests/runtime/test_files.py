@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from gaitflow.runtime import ArtifactError, GaitMap
-from gaitflow.runtime.files import LIMITS, entry_of, read_checked, read_limited
+from gaitflow.runtime.files import CARD, CONTENT, LIMITS, MANIFEST, entry_of, read_checked, read_limited
 
 
 def test_a_file_over_the_limit_is_refused_unread(tmp_path: Path) -> None:
@@ -17,7 +17,7 @@ def test_a_file_over_the_limit_is_refused_unread(tmp_path: Path) -> None:
         read_limited(path, 1000)
 
 
-@pytest.mark.parametrize("name", ["manifest.json", "classifier.onnx", "warmstarts.safetensors", "atlas.safetensors"])
+@pytest.mark.parametrize("name", [MANIFEST, *(name for name in CONTENT if name != CARD)])
 def test_an_oversized_file_of_an_artifact_is_refused_unread(artifact: Path, name: str) -> None:
     os.truncate(artifact / name, LIMITS[name] + (1 << 40))
     with pytest.raises(ArtifactError, match=rf"{name}: \d+ bytes; this file may have at most"):

@@ -1,13 +1,15 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from gaitflow.runtime import ArtifactError, GaitMap
 from gaitflow.runtime.files import LIMITS
-from gaitflow.runtime.manifest import encode, parse_manifest, read_manifest
+from gaitflow.runtime.manifest import encode
+from gaitflow.runtime.manifest_file import parse_manifest, read_manifest
 
 
 @pytest.fixture
@@ -18,7 +20,15 @@ def data(pristine: Path) -> dict:
 def test_what_was_encoded_is_parsed(pristine: Path, data: dict) -> None:
     content = (pristine / "manifest.json").read_bytes()
     assert encode(data) == content
-    assert parse_manifest(content, "m") == read_manifest(pristine)
+    parsed, read = parse_manifest(content, "m"), read_manifest(pristine)
+    assert parsed.domain.axes == read.domain.axes and (parsed.domain.feasible == read.domain.feasible).all()
+    assert replace(parsed, domain=read.domain) == read
+    assert (parsed.format, parsed.gaitflow_version) == (3, "0.0.9")
+    assert parsed.space.ranged == tuple(parsed.domain.axes) == ("speed", "cycle_duration")
+    assert parsed.dataset == {"name": "quickstart", "version": "1.0.0"}
+    assert [(gait.name, gait.key, gait.pattern) for gait in parsed.gaits] == [
+        (each["name"], each["key"], each["pattern"]) for each in data["gaits"]
+    ]
 
 
 def test_no_flipped_bit_passes(pristine: Path) -> None:
@@ -33,23 +43,20 @@ def test_no_flipped_bit_passes(pristine: Path) -> None:
 def test_a_newer_format_is_refused_by_name(artifact: Path, data: dict) -> None:
     path = artifact / "manifest.json"
     # Of a newer format nothing is known but its number: neither its fields nor how it is digested.
-    path.write_text(json.dumps({"format": 3, "all": "else", "may": "differ"}), encoding="utf-8")
-    with pytest.raises(ArtifactError, match=r"has format 3, this gaitflow reads format 1 to 2: update gaitflow"):
+    path.write_text(json.dumps({"format": 4, "all": "else", "may": "differ"}), encoding="utf-8")
+    with pytest.raises(ArtifactError, match=r"has format 4, this gaitflow reads format 1 to 3: update gaitflow"):
         GaitMap.load(artifact)
 
 
-@pytest.mark.parametrize("number", [0, -1, 1.0, 2.0, True, "1", None])
+@pytest.mark.parametrize("number", [0, -1, 1.0, 3.0, True, "1", None])
 def test_no_other_format_is_guessed(data: dict, number: object) -> None:
-    with pytest.raises(ArtifactError, match="this gaitflow reads format 1 to 2"):
+    with pytest.raises(ArtifactError, match="this gaitflow reads format 1 to 3"):
         parse_manifest(encode(data | {"format": number}), "m")
 
 
-def test_the_older_format_lists_no_atlas_and_the_newer_one_must(data: dict) -> None:
-    with pytest.raises(ArtifactError, match=r"m\.files: unknown field 'atlas\.safetensors'"):
-        parse_manifest(encode(data | {"format": 1}), "m")
-    del data["files"]["atlas.safetensors"]
-    assert set(parse_manifest(encode(data | {"format": 1}), "m").files) == set(data["files"])
-    with pytest.raises(ArtifactError, match=r"m\.files: missing field 'atlas\.safetensors'"):
+def test_every_file_of_the_format_is_listed(data: dict) -> None:
+    del data["files"]["problem_check.safetensors"]
+    with pytest.raises(ArtifactError, match=r"m\.files: missing field 'problem_check\.safetensors'"):
         parse_manifest(encode(data), "m")
 
 
@@ -71,7 +78,7 @@ def test_an_edited_manifest_is_refused(data: dict) -> None:
 def test_a_field_given_twice_is_refused(pristine: Path) -> None:
     content = (pristine / "manifest.json").read_bytes()
     with pytest.raises(ArtifactError, match="SHA-256"):
-        parse_manifest(content.replace(b"{", b'{\n "format": 2,', 1), "m")
+        parse_manifest(content.replace(b"{", b'{\n "format": 3,', 1), "m")
 
 
 @pytest.mark.parametrize("name", ["../../etc/passwd", "/etc/passwd", "a/b.onnx", "..", "classifier.onnx/", "C:\\x", ""])
@@ -87,24 +94,37 @@ def test_file_names_that_lead_elsewhere_are_refused(data: dict, name: str) -> No
         (("version",), "1.0", "write <major>"),
         (("version",), 1, "must be text"),
         (("created",), "2026-13-01T00:00:00Z", "must be UTC"),
-        (("scenario",), {"name": "x"}, "a scenario with name, robot"),
+        (("scenario",), {"name": "x"}, "a scenario without tasks.axes"),
         (("scenario_digest",), "A" * 64, "64 lower-case"),
         (("cost_scale",), 0, "above 0"),
         (("cost_scale",), True, "above 0"),
         (("cost_scale",), 10**400, "above 0"),
-        (("domain", "speed"), [0.1, 0.1, 0.9, 1.3, 1.7, 2.1], "each above the one before"),
-        (("domain", "speed"), ["0.1"], "each above the one before"),
-        (("domain", "feasible"), [[True]], "6 rows"),
+        (("domain", "axes", "speed"), [0.1, 0.1, 0.9, 1.3, 1.7, 2.1], "each above the one before"),
+        (("domain", "axes", "speed"), ["0.1"], "each above the one before"),
+        (("domain", "axes", "slope"), [0.1], "unknown field 'slope'"),
+        (("domain", "axes"), {"speed": [0.1]}, "missing field 'cycle_duration'"),
+        (("domain", "feasible"), [[True]], "shape (6, 4)"),
+        (("domain", "feasible"), [[True] * 4] * 7, "a list of 1 to 6 items"),
         (("domain", "feasible", 0, 0), 1, "booleans"),
+        (("domain", "feasible", 0, 0), [True], "booleans"),
+        (("dataset",), {"name": "quickstart"}, "missing field 'version'"),
+        (("dataset", "version"), 1, "must be text"),
         (("gaits", 1, "name"), "walking", "different names"),
         (("gaits", 1, "pattern"), "0110", "2 legs and 4 phases"),
         (("gaits", 1, "pattern"), "011/110", "2 legs and 4 phases"),
         (("gaits", 1, "key"), "01x/110", "row of digits"),
-        (("layout", "phases"), 10**9, "an integer from 1 to 64"),
-        (("layout", "knots_per_phase"), 5, "layout.variables"),
-        (("layout", "rows"), 10**12, "an integer from 1 to"),
-        (("layout", "legs"), ["F", 2], "names of legs"),
-        (("layout", "duration_slice"), [0, 4], "the last 4 variables"),
+        (("scenario", "tasks"), {}, "without tasks.axes"),
+        (("scenario", "tasks", "axes", "cycle_duration"), 0.6, "unknown field 'cycle_duration'"),
+        (("scenario", "tasks", "axes", "height"), 1.0, "a sound tasks.axes"),
+        (("scenario", "tasks", "axes", "slope"), "steep", "a sound tasks.axes"),
+        (("scenario", "tasks", "axes", "slope"), 90.0, "a sound tasks.axes"),
+        (("scenario", "transcription", "phases"), 10**9, "a sound transcription.phases"),
+        (("scenario", "transcription", "knots_per_phase"), True, "a sound transcription.knots_per_phase"),
+        (("scenario", "transcription", "grading"), 3.0, "a sound transcription.grading"),
+        (("scenario", "transcription", "forces"), None, "a sound transcription.forces"),
+        (("scenario", "robot", "dimension"), 4, "a sound robot.dimension"),
+        (("scenario", "robot", "mass"), -1.0, "a sound robot.mass"),
+        (("scenario", "robot", "legs"), ["F", 2], "a sound robot.legs"),
         (("classifier",), {}, "missing field 'kind'"),
         (("metrics",), [], "must be an object"),
         (("files", "README.md", "bytes"), -1, "an integer from 0"),
@@ -124,7 +144,7 @@ def test_a_wrong_field_is_named_with_what_is_allowed(data: dict, path: tuple, va
     assert len(str(caught.value)) < 500
 
 
-@pytest.mark.parametrize("name", ["format", "version", "gaits", "layout", "files", "solver", "manifest_sha256"])
+@pytest.mark.parametrize("name", ["format", "version", "gaits", "domain", "files", "solver", "manifest_sha256"])
 def test_a_missing_field_is_refused(data: dict, name: str) -> None:
     del data[name]
     content = json.dumps(data, sort_keys=True, indent=1).encode() if name == "manifest_sha256" else encode(data)

@@ -1,0 +1,204 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from safetensors.numpy import load, save
+from sheets import AXES, LAYOUT, ROWS, atlas, sheet_of, space
+from tiny_map import TinyMap
+
+from gaitflow.runtime import ArtifactError
+from gaitflow.runtime.atlas import Atlas, Sheet
+from gaitflow.runtime.atlas_file import MAX_MODES, MAX_SHEETS, atlas_bytes, parse_atlas
+from gaitflow.solvers.point import GaitSpace
+
+GAITS = 2
+PLACES = [np.array(place) for place in ((0.1, 0.5), (0.15, 0.55), (0.3, 0.9), (-5.0, 99.0))]
+
+
+def flat(gait: int = 0, places: list | None = None) -> Sheet:
+    return sheet_of(lambda x, y: 1.0 + x, lambda x, y: (1.0, 0.0), places, gait)
+
+
+def parse(content: bytes) -> Atlas:
+    return parse_atlas(content, AXES, GAITS, LAYOUT, ROWS, "a")
+
+
+def same(one: Atlas, other: Atlas) -> None:
+    assert (one.axes, one.barrier) == (other.axes, other.barrier)
+    np.testing.assert_array_equal(one.steps, other.steps)
+    for mine, theirs in zip(one.sheets, other.sheets, strict=True):
+        assert (mine.gait, mine.pattern, mine.tear) == (theirs.gait, theirs.pattern, theirs.tear)
+        for name in ("tasks", "costs", "slopes", "mean", "modes", "coordinates", "tangents"):
+            np.testing.assert_array_equal(getattr(mine, name), getattr(theirs, name))
+        for name in ("lower", "upper", "lower_rows", "upper_rows"):
+            np.testing.assert_array_equal(getattr(mine.space, name), getattr(theirs.space, name))
+
+
+def test_an_empty_atlas_is_a_file() -> None:
+    same(parse(atlas_bytes(Atlas.empty(AXES))), Atlas.empty(AXES))
+
+
+def test_what_was_written_is_read() -> None:
+    made = atlas(flat(0), flat(1, [(0, 0), (2, 1)]))
+    content = atlas_bytes(made)
+    same(parse(content), made)
+    assert atlas_bytes(parse(content)) == content
+    with pytest.raises(ValueError, match="read-only"):
+        parse(content).sheets[0].mean[0] = 1.0
+
+
+def test_a_real_atlas_round_trips(tiny: TinyMap) -> None:
+    problem = tiny.problem
+    found = parse_atlas(atlas_bytes(tiny.atlas), tuple(tiny.domain.axes), 2, problem.layout, problem.ng, "a")
+    same(found, tiny.atlas)
+
+
+# Damage. Values that are only different are the digest's business; here nothing but ArtifactError may come out.
+
+CONTENT = atlas_bytes(atlas(flat(0), flat(1, [(0, 0), (2, 1)])))
+HEADER = 8 + int.from_bytes(CONTENT[:8], "little")
+TENSORS = sorted(load(CONTENT))
+positions = st.one_of(st.integers(0, HEADER - 1), st.integers(0, len(CONTENT) - 1))
+
+
+def refused_or_sound(content: bytes) -> None:
+    try:
+        made = parse(content)
+    except ArtifactError as error:
+        assert str(error).startswith("a: ") and len(str(error)) < 500
+        return
+    with np.errstate(all="ignore"):
+        for place in PLACES:
+            for number in made.ranked(place):
+                found = made.predict(number, place)
+                made.sheets[number].space.decode(found.point)
+            for number in range(len(made.sheets)):
+                made.nearest(number, place, 2)
+                made.least_cost(number, place)
+
+
+@given(st.lists(st.tuples(positions, st.integers(0, 7)), min_size=1, max_size=4))
+def test_flipped_bits_are_refused_or_harmless(flips: list[tuple[int, int]]) -> None:
+    content = bytearray(CONTENT)
+    for position, bit in flips:
+        content[position] ^= 1 << bit
+    refused_or_sound(bytes(content))
+
+
+@given(st.integers(0, len(CONTENT) - 1))
+def test_truncated_files_are_refused(length: int) -> None:
+    with pytest.raises(ArtifactError, match=r"^a: "):
+        parse(CONTENT[:length])
+
+
+@given(st.binary(max_size=200))
+def test_garbage_is_refused(content: bytes) -> None:
+    with pytest.raises(ArtifactError, match=r"^a: "):
+        parse(content)
+    with pytest.raises(ArtifactError, match=r"^a: "):
+        parse(len(content).to_bytes(8, "little") + content)
+
+
+@pytest.mark.parametrize("name", TENSORS)
+@pytest.mark.parametrize("oddity", ["missing", "type", "scalar", "longer", "shorter", "empty", "another axis"])
+def test_odd_tensors_are_refused(name: str, oddity: str) -> None:
+    tensors = load(CONTENT)
+    tensor = tensors.pop(name)
+    odd = {
+        "type": lambda: tensor.astype(np.float16),
+        "scalar": lambda: tensor.ravel()[0:1].reshape(()),
+        "longer": lambda: np.concatenate([tensor, tensor]),
+        "shorter": lambda: tensor[:-1],
+        "empty": lambda: tensor.ravel()[:0],
+        "another axis": lambda: tensor[None],
+    }
+    if oddity != "missing":
+        tensors[name] = np.array(odd[oddity](), order="C")
+    with pytest.raises(ArtifactError, match=r"^a: "):
+        parse(save(tensors))
+
+
+@given(
+    st.sampled_from(TENSORS),
+    st.sampled_from([np.nan, np.inf, -np.inf, 0.0, -1.0, 1e300, -1e300, 1e38, 5e-324, 255.0, 2**31 - 1, -(2**31)]),
+    st.integers(0, 2**31),
+)
+def test_odd_values_are_refused_or_harmless(name: str, value: float, where: int) -> None:
+    tensors = load(CONTENT)
+    numbers = tensors[name].reshape(-1)
+    with np.errstate(all="ignore"):
+        numbers[where % len(numbers)] = np.array(value).astype(numbers.dtype)
+    refused_or_sound(save(tensors))
+
+
+def changed(**values: object) -> bytes:
+    tensors = load(CONTENT)
+    for name, value in values.items():
+        name = name.replace("_of_", ".").removeprefix("n")
+        tensors[name] = np.broadcast_to(np.array(value, dtype=tensors[name].dtype), tensors[name].shape).copy()
+    return save(tensors)
+
+
+@pytest.mark.parametrize(
+    ("values", "fault"),
+    [
+        ({"n0_of_gait": 2}, "sheet 0 is of gait 2; the map has 2"),
+        ({"n0_of_gait": -1}, "sheet 0 is of gait -1"),
+        ({"n1_of_pattern": 2}, "sheet 1 has a pattern of more than 0 and 1"),
+        ({"n0_of_lower": 2.0}, "a bound below that lies above the one above"),
+        ({"n0_of_lower": np.inf, "n0_of_upper": np.inf}, "infinite"),
+        ({"n0_of_lower_rows": -np.inf, "n0_of_upper_rows": -np.inf}, "infinite"),
+        ({"n1_of_tasks": 25.0}, "sheet 1 has a node that is no physical task"),
+        ({"n0_of_costs": 0.0}, "a cost that is not positive"),
+        ({"n0_of_tear": -1.0}, "a negative tear"),
+        ({"n0_of_mean": np.nan}, "0.mean holds a value that is not finite"),
+        ({"n0_of_tangents": np.inf}, "0.tangents holds a value that is not finite"),
+        ({"barrier": 1.0}, "barrier = 1: must lie between 0 and 1"),
+        ({"steps": [0.1, 0.0]}, "steps must be positive"),
+        ({"sheets": 1}, "1.coordinates is missing or too much"),
+        ({"sheets": 3}, "2.coordinates is missing or too much"),
+        ({"sheets": -1}, "sheets = -1"),
+        ({"sheets": MAX_SHEETS + 1}, f"sheets = {MAX_SHEETS + 1}"),
+    ],
+)
+def test_a_wrong_value_is_named(values: dict[str, object], fault: str) -> None:
+    with pytest.raises(ArtifactError) as caught:
+        parse(changed(**values))
+    assert fault in str(caught.value)
+
+
+def test_axes_are_those_of_the_map() -> None:
+    with pytest.raises(ArtifactError, match=r"axes are speed, slope; the map's are speed, cycle_duration"):
+        parse_atlas(CONTENT, ("speed", "cycle_duration"), GAITS, LAYOUT, ROWS, "a")
+    unknown = replace(atlas(), axes=("speed", "height"))
+    with pytest.raises(ArtifactError, match=r"'speed,height'; this gaitflow knows speed, "):
+        parse(atlas_bytes(unknown))
+
+
+def test_a_gait_that_leaves_nothing_to_solve_is_refused() -> None:
+    nw, no_rows = LAYOUT.nw, np.full(ROWS, np.inf)
+    nothing_free = GaitSpace(np.zeros(nw), np.zeros(nw), space().lower_rows, space().upper_rows)
+    no_row = GaitSpace(space().lower, space().upper, -no_rows, no_rows)
+    no_bound = GaitSpace(np.full(nw, -np.inf), np.full(nw, np.inf), np.zeros(ROWS), np.zeros(ROWS))
+    for each in (nothing_free, no_row, no_bound):
+        one = replace(
+            flat(),
+            space=each,
+            mean=np.zeros(each.size, dtype=np.float32),
+            modes=np.zeros((2, each.size), dtype=np.float32),
+        )
+        with pytest.raises(ArtifactError, match="sheet 0 leaves no variable, no row or no bound"):
+            parse(atlas_bytes(atlas(one)))
+
+
+def test_more_than_memory_is_for_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    many = replace(flat(), modes=np.zeros((MAX_MODES + 1, flat().space.size), dtype=np.float32))
+    with pytest.raises(ArtifactError, match=r"513 modes"):
+        parse(atlas_bytes(atlas(many)))
+    monkeypatch.setattr("gaitflow.runtime.atlas_file.MAX_NODES", 26)
+    with pytest.raises(ArtifactError, match=r"the atlas has 27 nodes: more than 26"):
+        parse(CONTENT)
