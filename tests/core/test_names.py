@@ -9,11 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gaitflow.core.gaits import Pattern, all_patterns, gait_of
+from gaitflow.core.gaits import Pattern, Symmetry, all_patterns, gait_of
 from gaitflow.core.names import gait_kind, gait_name, leg_place, quadruped_places
 
 LEGS = ("LF", "RF", "LH", "RH")
 MIRROR = (1, 0, 3, 2)
+LEFT_RIGHT = Symmetry(mirror=MIRROR)
 FIGURE_5 = {
     "walking": ("0111", "1101"),
     "gallop": ("0110", "1100"),
@@ -60,8 +61,8 @@ def split(pattern: Pattern, phase: int) -> Pattern:
 @cache
 def single_stance_gaits() -> tuple[Pattern, ...]:
     """The canonical gaits of a quadruped in four phases where each leg touches down once."""
-    patterns = all_patterns(4, 4, stances_per_leg=1, mirror=MIRROR)
-    return tuple(sorted({gait_of(pattern, MIRROR) for pattern in patterns}))
+    patterns = all_patterns(4, 4, stances_per_leg=1, symmetry=LEFT_RIGHT)
+    return tuple(sorted({gait_of(pattern, LEFT_RIGHT) for pattern in patterns}))
 
 
 quadruped_patterns = st.integers(1, 8).flatmap(
@@ -100,7 +101,7 @@ def test_an_archetype_goes_by_its_kind(kind: str, text: str) -> None:
 def test_another_gait_of_a_kind_shows_its_contacts(kind: str, text: str) -> None:
     pattern = Pattern.from_text(text)
     assert gait_kind(pattern, LEGS) == kind
-    assert gait_name(pattern, LEGS) == f"{kind} {gait_of(pattern, MIRROR).text}"
+    assert gait_name(pattern, LEGS) == f"{kind} {gait_of(pattern, LEFT_RIGHT).text}"
 
 
 @pytest.mark.parametrize(
@@ -117,7 +118,7 @@ def test_another_gait_of_a_kind_shows_its_contacts(kind: str, text: str) -> None
 def test_a_pair_of_legs_that_never_lands_makes_no_pair_kind(text: str, kind: str) -> None:
     pattern = Pattern.from_text(text)
     assert gait_kind(pattern, LEGS) == kind
-    assert gait_name(pattern, LEGS) == f"{kind} {gait_of(pattern, MIRROR).text}"
+    assert gait_name(pattern, LEGS) == f"{kind} {gait_of(pattern, LEFT_RIGHT).text}"
 
 
 def test_a_walk_is_told_by_its_want_of_flight_whatever_its_duty() -> None:
@@ -160,7 +161,7 @@ def test_names_know_neither_cut_nor_split_phases_nor_left_and_right(
     pattern: Pattern, cut: int, data: st.DataObject
 ) -> None:
     phase = data.draw(st.integers(0, pattern.phases - 1))
-    same = (pattern.rotated(cut), split(pattern, phase), pattern.mirrored(MIRROR), gait_of(pattern, MIRROR))
+    same = (pattern.rotated(cut), split(pattern, phase), pattern.mirrored(MIRROR), gait_of(pattern, LEFT_RIGHT))
     for image in same:
         assert gait_name(image, LEGS) == gait_name(pattern, LEGS)
         assert gait_kind(image, LEGS) == gait_kind(pattern, LEGS)
@@ -168,7 +169,7 @@ def test_names_know_neither_cut_nor_split_phases_nor_left_and_right(
 
 @given(quadruped_patterns, quadruped_patterns)
 def test_different_gaits_have_different_names(one: Pattern, other: Pattern) -> None:
-    same = gait_of(one, MIRROR) == gait_of(other, MIRROR)
+    same = gait_of(one, LEFT_RIGHT) == gait_of(other, LEFT_RIGHT)
     assert (gait_name(one, LEGS) == gait_name(other, LEGS)) == same
 
 
@@ -189,7 +190,7 @@ def test_the_order_of_the_legs_changes_no_kind_and_no_plain_name(order: tuple[in
         pattern = Pattern.from_text(text)
         reordered = Pattern(tuple(pattern.rows[leg] for leg in order))
         assert gait_name(reordered, leg_names) == gait_name(pattern, LEGS)
-    mirror = [order.index(MIRROR[leg]) for leg in order]
+    mirror = Symmetry(mirror=tuple(order.index(MIRROR[leg]) for leg in order))
     for text in KINDS.values():
         reordered = Pattern(tuple(Pattern.from_text(text).rows[leg] for leg in order))
         assert gait_name(reordered, leg_names) == f"{gait_kind(reordered, leg_names)} {gait_of(reordered, mirror).text}"
