@@ -35,8 +35,13 @@ class GaitClassifier:
     frequencies: tuple[float, ...]
     temperature: float = 1.0
 
+    @property
+    def inputs(self) -> int:
+        """Number of axes of a task."""
+        return int(self.pipeline[0].n_features_in_)
+
     def probabilities(self, tasks: Floats) -> Floats:
-        """Probability of each gait [n, C] at raw tasks [n, 2] (m/s, s)."""
+        """Probability of each gait [n, C] at raw tasks [n, axes]."""
         return calibrated(scores(self.pipeline, tasks, self.frequencies), self.temperature)
 
 
@@ -46,7 +51,7 @@ def frequencies_of(y: Integers, classes: int) -> tuple[float, ...]:
 
 
 def scores(pipeline: Pipeline, tasks: Floats, frequencies: tuple[float, ...]) -> Floats:
-    """Scores [n, C] of a fitted pipeline at raw tasks [n, 2]: logits, decision values, or the log of votes.
+    """Scores [n, C] of a fitted pipeline at raw tasks [n, axes]: logits, decision values, or the log of votes.
 
     Votes can be 0, whose log is no score: the classes' frequencies [C] are added with a small weight, which also ranks
     the gaits that got no vote.

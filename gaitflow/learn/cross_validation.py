@@ -79,7 +79,7 @@ def cross_validate(
 ) -> CrossValidated:
     """Choose the hyper-parameters by mean accuracy over the splits, calibrate on the same, and fit to all tasks.
 
-    tasks [n, 2] raw (m/s, s), y [n] places in `classes`. The folds that chose the hyper-parameters also judge, which
+    tasks [n, axes] raw, y [n] places in `classes`. The folds that chose the hyper-parameters also judge, which
     flatters every method a little; tasks off the grid are what shows by how much.
     """
     tasks = np.asarray(tasks, dtype=np.float32)
@@ -108,17 +108,17 @@ def cross_validate(
 def refit(
     judged: GaitClassifier,
     grid: tuple[Floats, Integers],
-    nodes: tuple[Floats, Integers],
+    others: tuple[Floats, Integers],
     cells: Integers,
     folds: int,
 ) -> tuple[GaitClassifier, float]:
-    """The classifier with the same settings fitted to the grid's tasks and the nodes, and its calibrated log loss.
+    """The classifier with the same settings fitted to the grid's tasks and to others, and its calibrated log loss.
 
-    (tasks [n, 2], y [n]) of each. It is calibrated on folds of whole `cells` [m] of the grid, each predicted by a fit
-    to the grid and the nodes of the other cells: a node's neighbours would tell its label. With fewer cells than two
+    (tasks [n, axes], y [n]) of each. It is calibrated on folds of whole `cells` [m] of the grid, each predicted by a
+    fit to the grid and the others in other cells: a task's neighbours would tell its label. With fewer cells than two
     the temperature stays.
     """
-    (tasks, y), (more, more_y) = grid, nodes
+    (tasks, y), (more, more_y) = grid, others
     everything, labels = np.concatenate([tasks, more]), np.concatenate([y, more_y])
     classes, temperature, loss = len(judged.classes), judged.temperature, math.nan
     if len(np.unique(cells)) >= max(2, folds):

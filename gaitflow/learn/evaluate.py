@@ -1,4 +1,4 @@
-"""How good a classifier's picks are: not only whether they match the label, but what a wrong pick costs."""
+"""How good picks of gaits are: not only whether they match the label, but what a wrong pick costs."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 from sklearn.metrics import f1_score
 
-from gaitflow.dataset.labels import TASK, relative_cost
-from gaitflow.learn.classifier import Floats
+from gaitflow.dataset.schema import task_columns
+from gaitflow.learn.classifier import Floats, Integers
 
 RULE = (
     "Judged on cross-validation folds only: the methods whose infeasible-pick rate is within one task of the least; "
@@ -42,16 +42,20 @@ def judge(probabilities: Floats, classes: Sequence[str], labels: pd.DataFrame, c
 
     `labels` and `costs` are the frames of `gaitflow.dataset.labels`.
     """
+    return judge_order(np.argsort(-probabilities, axis=1, kind="stable"), classes, labels, costs)
+
+
+def judge_order(order: Integers, classes: Sequence[str], labels: pd.DataFrame, costs: pd.DataFrame) -> Quality:
+    """Quality of an order [n, C] in which gaits, their places in `classes`, are picked; the rest as in `judge`."""
     n = len(labels)
     if n == 0:
         return Quality(0, *[float("nan")] * 7)
-    ranked = np.argsort(-probabilities, axis=1, kind="stable")[:, :2]
-    table = _cost_table(labels, costs, classes)
-    picked = np.take_along_axis(table, ranked, axis=1)
+    ranked = order[:, :2]
+    picked = np.take_along_axis(_excess_table(labels, costs, classes), ranked, axis=1)
     names = np.asarray(classes, dtype=object)[ranked[:, 0]]
     truth = labels["label"].to_numpy(dtype=object)
     feasible = np.isfinite(picked[:, 0])
-    regret = relative_cost(picked[feasible, 0], labels["cost"].to_numpy()[feasible])
+    regret = picked[feasible, 0]
     return Quality(
         tasks=n,
         accuracy=float(np.mean(names == truth)),
@@ -73,8 +77,9 @@ def choose(qualities: Mapping[str, Quality], tie_tolerance: float) -> str:
     return next(name for name in safe if regrets[name] <= min(regrets.values()) + tie_tolerance)
 
 
-def _cost_table(labels: pd.DataFrame, costs: pd.DataFrame, classes: Sequence[str]) -> Floats:
-    """Cost [n, C] of each gait at each task, inf where it has no feasible motion."""
-    table = costs.pivot(index=TASK, columns="gait", values="cost")
-    index = pd.MultiIndex.from_frame(labels[TASK])
+def _excess_table(labels: pd.DataFrame, costs: pd.DataFrame, classes: Sequence[str]) -> Floats:
+    """By how much [n, C] each gait is dearer than the best at each task, as a share; inf without a feasible motion."""
+    task = task_columns(labels.columns)
+    table = costs.pivot(index=task, columns="gait", values="excess")
+    index = pd.MultiIndex.from_frame(labels[task])
     return table.reindex(index=index, columns=pd.Index(classes)).fillna(np.inf).to_numpy(dtype=float)

@@ -19,7 +19,7 @@ from sklearn.neighbors import KNeighborsClassifier
 from gaitflow.learn.classifier import SMOOTHING, GaitClassifier
 from gaitflow.learn.mlp import SeededClassifier
 
-INPUT = "task"  # float32 [n, 2]: speed m/s, cycle duration s
+INPUT = "task"  # float32 [n, axes]: values on the axes with a range
 OUTPUT = "probability"  # float32 [n, classes]
 OPSET = 15
 ML_OPSET = 3
@@ -37,7 +37,7 @@ def to_onnx_bytes(classifier: GaitClassifier) -> bytes:
     if isinstance(estimator, SeededClassifier):
         graph = _perceptron_graph(_layers(classifier))
     elif isinstance(estimator, DummyClassifier):
-        graph = _perceptron_graph([(np.zeros((1, 2)), np.zeros(1))])  # softmax of one score is 1
+        graph = _perceptron_graph([(np.zeros((1, classifier.inputs)), np.zeros(1))])  # softmax of one score is 1
     elif isinstance(estimator, KNeighborsClassifier):
         graph = _neighbours_graph(classifier)
     else:
@@ -73,7 +73,7 @@ def _perceptron_graph(layers: Sequence[Layer]) -> onnx.GraphProto:
             nodes.append(helper.make_node("Relu", [total], [f"hidden_{i}"]))
             value = f"hidden_{i}"
     outputs = [helper.make_tensor_value_info("scores", TensorProto.FLOAT, [None, len(layers[-1][1])])]
-    return helper.make_graph(nodes, "gait", [_input()], outputs, weights)
+    return helper.make_graph(nodes, "gait", [_input(layers[0][0].shape[1])], outputs, weights)
 
 
 def _neighbours_graph(classifier: GaitClassifier) -> onnx.GraphProto:
@@ -101,7 +101,7 @@ def _neighbours_graph(classifier: GaitClassifier) -> onnx.GraphProto:
         numpy_helper.from_array(np.array([-1]), "last"),
         numpy_helper.from_array(np.array([estimator.n_neighbors]), "k"),
     ]
-    graph = helper.make_graph(nodes, "gait", [_input()], [], weights)
+    graph = helper.make_graph(nodes, "gait", [_input(classifier.inputs)], [], weights)
     _append_log_of_votes(graph, classifier)
     return graph
 
@@ -114,7 +114,7 @@ def _converted_graph(classifier: GaitClassifier) -> onnx.GraphProto:
         warnings.filterwarnings("ignore", "Attribute `prob[AB]_` was deprecated", FutureWarning)  # read, not used
         model = to_onnx(
             classifier.pipeline,
-            initial_types=[(INPUT, FloatTensorType([None, 2]))],
+            initial_types=[(INPUT, FloatTensorType([None, classifier.inputs]))],
             options={id(estimator): {"zipmap": False} | ({} if votes else {"raw_scores": True})},
             target_opset={"": OPSET, "ai.onnx.ml": ML_OPSET},
         )
@@ -141,8 +141,8 @@ def _append_calibration(graph: onnx.GraphProto, classifier: GaitClassifier) -> N
     graph.output.append(helper.make_tensor_value_info(OUTPUT, TensorProto.FLOAT, shape))
 
 
-def _input() -> onnx.ValueInfoProto:
-    return helper.make_tensor_value_info(INPUT, TensorProto.FLOAT, [None, 2])
+def _input(axes: int) -> onnx.ValueInfoProto:
+    return helper.make_tensor_value_info(INPUT, TensorProto.FLOAT, [None, axes])
 
 
 def _float32(name: str, values: NDArray[np.floating]) -> TensorProto:

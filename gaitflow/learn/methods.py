@@ -18,18 +18,18 @@ PREFIX = "classify__"  # of the classifier's parameters in the pipeline
 
 @dataclass(frozen=True)
 class Method:
-    """A pipeline that standardises raw tasks [n, 2] and classifies them, and the values to try for each parameter."""
+    """A pipeline that standardises raw tasks [n, axes] and classifies them; values to try for each parameter."""
 
     name: str
     pipeline: Pipeline
     grid: Mapping[str, list[Any]]
 
 
-def methods(learning: Learning, classes: int, smallest_fit: int) -> tuple[Method, ...]:
+def methods(learning: Learning, axes: int, classes: int, smallest_fit: int) -> tuple[Method, ...]:
     """The perceptron, SVM, random forest and nearest neighbours, the one that answers fastest first.
 
-    `smallest_fit` is the least number of tasks that one of them is fitted to. Values that regularise most come
-    first: the search takes the first of those that do equally well.
+    `axes` is how many inputs they have, `smallest_fit` the least number of tasks that one of them is fitted to. Values
+    that regularise most come first: the search takes the first of those that do equally well.
     """
     neighbours = [k for k in (5, 3, 7, 1) if k <= smallest_fit]
     mlp_grid: dict[str, list[Any]] = {
@@ -37,12 +37,12 @@ def methods(learning: Learning, classes: int, smallest_fit: int) -> tuple[Method
         "lr": list(learning.learning_rates),
         "optimizer__weight_decay": sorted(learning.weight_decays, reverse=True),
     }
-    mlp = perceptron(classes, learning.hidden_layers[0], learning.max_epochs, learning.seed)
+    mlp = perceptron(axes, classes, learning.hidden_layers[0], learning.max_epochs, learning.seed)
     forest = random_forest(learning.seed)
     return (
         _method("mlp", mlp, mlp_grid),
         _method("svm", support_vectors(), {"estimator__C": [1.0, 10.0, 100.0], "estimator__gamma": [0.5, 1.0, 2.0]}),
-        _method("forest", forest, {"min_samples_leaf": [3, 1], "max_features": [1, 2]}),
+        _method("forest", forest, {"min_samples_leaf": [3, 1], "max_features": sorted({1, axes})}),
         _method("knn", nearest_neighbours(), {"n_neighbors": neighbours}),
     )
 

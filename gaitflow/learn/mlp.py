@@ -17,18 +17,18 @@ PROGRESS = 1e-4  # fall of the training loss (mean log loss, nats) that counts a
 
 
 class Perceptron(nn.Module):
-    """Fully connected ReLU layers of the sizes `hidden`: standardised tasks [n, 2] -> scores (logits) [n, classes]."""
+    """Fully connected ReLU layers of the sizes `hidden`: standardised tasks [n, inputs] -> logits [n, classes]."""
 
-    def __init__(self, hidden: Sequence[int], classes: int) -> None:
+    def __init__(self, inputs: int, hidden: Sequence[int], classes: int) -> None:
         super().__init__()
-        sizes = [2, *hidden]
+        sizes = [inputs, *hidden]
         layers: list[nn.Module] = []
-        for inputs, outputs in pairwise(sizes):
-            layers += [nn.Linear(inputs, outputs), nn.ReLU()]
+        for before, after in pairwise(sizes):
+            layers += [nn.Linear(before, after), nn.ReLU()]
         self.layers = nn.Sequential(*layers, nn.Linear(sizes[-1], classes))
 
     def forward(self, task: torch.Tensor) -> torch.Tensor:
-        """Scores [n, classes] of standardised tasks [n, 2]."""
+        """Scores [n, classes] of standardised tasks [n, inputs]."""
         scores: torch.Tensor = self.layers(task)
         return scores
 
@@ -41,7 +41,7 @@ class SeededClassifier(NeuralNetClassifier):
         super().__init__(*args, **settings)
 
     def fit(self, X: Any, y: Any, **settings: Any) -> Self:
-        """Fit to X [n, 2] float32 and y [n] int64."""
+        """Fit to X [n, inputs] float32 and y [n] int64."""
         with _seeded_on_one_thread(self.seed):
             super().fit(X, y, **settings)
         return self
@@ -59,8 +59,8 @@ def _seeded_on_one_thread(seed: int) -> Iterator[None]:
         torch.set_num_threads(threads)
 
 
-def perceptron(classes: int, hidden: Sequence[int], max_epochs: int, seed: int) -> SeededClassifier:
-    """An unfitted perceptron for standardised float32 tasks [n, 2] and int64 classes [n], trained by AdamW.
+def perceptron(inputs: int, classes: int, hidden: Sequence[int], max_epochs: int, seed: int) -> SeededClassifier:
+    """An unfitted perceptron for standardised float32 tasks [n, inputs] and int64 classes [n], trained by AdamW.
 
     Training stops early when the training loss no longer falls. No task is held back to stop by: a map has about a
     hundred, and a small region would lose its only ones. The weight decay, chosen by cross-validation, is what keeps
@@ -69,6 +69,7 @@ def perceptron(classes: int, hidden: Sequence[int], max_epochs: int, seed: int) 
     stop = EarlyStopping("train_loss", patience=PATIENCE, threshold=PROGRESS, threshold_mode="abs", sink=_silent)
     return SeededClassifier(
         Perceptron,
+        module__inputs=inputs,
         module__hidden=tuple(hidden),
         module__classes=classes,
         criterion=nn.CrossEntropyLoss,

@@ -15,12 +15,14 @@ from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import StandardScaler
 
 from gaitflow.config.scenario import Learning
+from gaitflow.core.domain import Domain
 from gaitflow.learn.classifier import CannotTrain, Floats, GaitClassifier, Integers
 from gaitflow.learn.cross_validation import CrossValidated, cross_validate, refit, stratified_splits
-from gaitflow.learn.evaluate import RULE, Quality, choose, judge
+from gaitflow.learn.evaluate import RULE, Quality, choose, judge, judge_order
 from gaitflow.learn.export_onnx import to_onnx_bytes
+from gaitflow.learn.from_atlas import atlas_labels, picks
 from gaitflow.learn.methods import methods
-from gaitflow.learn.nodes import NodeLabels
+from gaitflow.runtime.atlas import Atlas
 
 CONSTANT = "constant"
 
@@ -39,13 +41,26 @@ class Competitor:
 
 
 @dataclass(frozen=True)
-class Published:
-    """The winner as it is published, fitted to the nodes of an atlas, too; without any as it was judged."""
+class KnownCosts:
+    """An atlas, the names of its gaits, and the tasks that it is for."""
 
-    nodes: int
+    atlas: Atlas
+    gaits: tuple[str, ...]
+    domain: Domain
+
+
+@dataclass(frozen=True)
+class Published:
+    """What is published: the winner, fitted to tasks that the atlas labels, too, and what a map picks by the atlas.
+
+    Without an atlas the classifier is as it was judged, and picks.
+    """
+
+    atlas_tasks: int
     temperature: float
     log_loss: float  # calibrated, on folds of whole cells of the grid
     held_out: Quality
+    map_held_out: Quality  # of the map's picks: by predicted cost where the atlas knows a gait
 
 
 @dataclass(frozen=True)
@@ -80,23 +95,24 @@ class Training:
 def train(
     labels: pd.DataFrame,
     costs: pd.DataFrame,
+    axes: Sequence[str],
     learning: Learning,
     constant: bool = False,
-    nodes: tuple[NodeLabels, Sequence[str]] | None = None,
+    known: KnownCosts | None = None,
 ) -> Training:
     """Train all methods on the grid tasks that have a label and choose one by RULE; held-out tasks only report.
 
-    `labels` and `costs` are the frames of `gaitflow.dataset.labels`. The winner is then fitted once more, to the
-    `nodes` of an atlas and its gaits' names as well: they take no part in choosing. Equal arguments give equal bytes.
-    Raises CannotTrain when no grid task is feasible, when all have one gait (unless `constant`: then the map is that
-    gait), or when no gait has two tasks.
+    `labels` and `costs` are the frames of `gaitflow.dataset.labels`; the classifiers' inputs are the values on `axes`.
+    The winner is then fitted once more, to tasks that an atlas labels as well: they take no part in choosing. Equal
+    arguments give equal bytes. Raises CannotTrain when no grid task is feasible, when all have one gait (unless
+    `constant`: then the map is that gait), or when no gait has two tasks.
     """
     solved = labels[labels["status"] == "solved"]
     grid, held_out = solved[solved["split"] == "grid"], solved[solved["split"] == "held_out"]
     if grid.empty:
         raise CannotTrain(
             f"none of the {int((labels['split'] == 'grid').sum())} tasks of the grid has a feasible gait: there is no "
-            "map to learn; change the grid, the robot or the terrain"
+            "map to learn; change the grid or the robot"
         )
     classes = tuple(sorted(grid["label"].unique()))
     if len(classes) == 1:
@@ -105,23 +121,24 @@ def train(
                 f"all {len(grid)} feasible tasks have the gait {classes[0]!r}: no classifier can be trained; "
                 "widen the grid, or publish the constant map with --constant"
             )
-        return _constant_map(classes, grid, held_out, costs)
-    tasks = _inputs(grid)
+        return _constant_map(classes, axes, grid, held_out, costs)
+    tasks = _inputs(grid, axes)
     y = np.searchsorted(np.array(classes, dtype=object), grid["label"].to_numpy(dtype=object)).astype(np.int64)
     splits, remarks = stratified_splits(y, classes, learning.folds, learning.seed)
     found = [
         cross_validate(method, tasks, y, classes, splits)
-        for method in methods(learning, len(classes), min(len(fit) for fit, _ in splits))
+        for method in methods(learning, len(axes), len(classes), min(len(fit) for fit, _ in splits))
     ]
-    competitors = tuple(_judged(one, grid, held_out, costs) for one in found)
+    competitors = tuple(_judged(one, axes, grid, held_out, costs) for one in found)
     chosen = choose({row.method: row.cross_validation for row in competitors}, learning.tie_tolerance)
     best = next(one for one in found if one.classifier.method == chosen)
     final, log_loss_final, used = best.classifier, best.log_loss, 0
-    if nodes is not None:
-        more, more_y, cells = _of_classes(*nodes, classes)
+    if known is not None:
+        more, more_y, cells = _labelled_by(known, classes, learning.tie_tolerance)
         used = len(more)
         if used:
             final, log_loss_final = refit(best.classifier, (tasks, y), (more, more_y), cells, len(splits))
+    held_out_quality = _held_out_quality(final, axes, held_out, costs)
     confusion = confusion_matrix(y[best.tested], best.probabilities.argmax(axis=1), labels=range(len(classes)))
     return Training(
         classes=classes,
@@ -132,17 +149,40 @@ def train(
         tasks_per_gait=tuple(int(count) for count in np.bincount(y)),
         folds=len(splits),
         remarks=tuple(remarks),
-        published=Published(used, final.temperature, log_loss_final, _held_out_quality(final, held_out, costs)),
+        published=Published(
+            used,
+            final.temperature,
+            log_loss_final,
+            held_out_quality,
+            held_out_quality if known is None else _map_quality(final, known, axes, held_out, costs),
+        ),
     )
 
 
-def _of_classes(nodes: NodeLabels, gaits: Sequence[str], classes: tuple[str, ...]) -> tuple[Floats, Integers, Integers]:
-    """Tasks, places in `classes` and cells of the nodes whose gait is one of them."""
-    place = np.array([classes.index(gait) if gait in classes else -1 for gait in gaits], dtype=np.int64)[nodes.gaits]
-    return nodes.tasks[place >= 0], place[place >= 0], nodes.cells[place >= 0]
+def _labelled_by(
+    known: KnownCosts, classes: tuple[str, ...], tie_tolerance: float
+) -> tuple[Floats, Integers, Integers]:
+    """Tasks, places in `classes` and cells of what an atlas labels with one of the classes."""
+    labelled = atlas_labels(known.atlas, known.domain, tie_tolerance)
+    places = [classes.index(gait) if gait in classes else -1 for gait in known.gaits]
+    place = np.array(places, dtype=np.int64)[labelled.gaits]
+    return labelled.tasks[place >= 0], place[place >= 0], labelled.cells[place >= 0]
 
 
-def _judged(one: CrossValidated, grid: pd.DataFrame, held_out: pd.DataFrame, costs: pd.DataFrame) -> Competitor:
+def _map_quality(
+    classifier: GaitClassifier, known: KnownCosts, axes: Sequence[str], held_out: pd.DataFrame, costs: pd.DataFrame
+) -> Quality:
+    """Of what a map picks: by the atlas, and by the classifier where that knows nothing."""
+    classes = classifier.classes
+    atlas = known.atlas.of([known.gaits.index(gait) for gait in classes])
+    places = _inputs(held_out, axes).astype(float)
+    probabilities = classifier.probabilities(places) if len(places) else np.empty((0, len(classes)))
+    return judge_order(picks(atlas, places, probabilities), classes, held_out, costs)
+
+
+def _judged(
+    one: CrossValidated, axes: Sequence[str], grid: pd.DataFrame, held_out: pd.DataFrame, costs: pd.DataFrame
+) -> Competitor:
     classes = one.classifier.classes
     return Competitor(
         method=one.classifier.method,
@@ -151,17 +191,17 @@ def _judged(one: CrossValidated, grid: pd.DataFrame, held_out: pd.DataFrame, cos
         log_loss_raw=one.log_loss_raw,
         log_loss=one.log_loss,
         cross_validation=judge(one.probabilities, classes, grid.iloc[one.tested], costs),
-        held_out=_held_out_quality(one.classifier, held_out, costs),
+        held_out=_held_out_quality(one.classifier, axes, held_out, costs),
     )
 
 
 def _constant_map(
-    classes: tuple[str, ...], grid: pd.DataFrame, held_out: pd.DataFrame, costs: pd.DataFrame
+    classes: tuple[str, ...], axes: Sequence[str], grid: pd.DataFrame, held_out: pd.DataFrame, costs: pd.DataFrame
 ) -> Training:
-    pipeline = make_pipeline(StandardScaler(), DummyClassifier()).fit(_inputs(grid), np.zeros(len(grid), int))
+    pipeline = make_pipeline(StandardScaler(), DummyClassifier()).fit(_inputs(grid, axes), np.zeros(len(grid), int))
     classifier = GaitClassifier(CONSTANT, classes, pipeline, frequencies=(1.0,))
-    on_grid = judge(classifier.probabilities(_inputs(grid)), classes, grid, costs)
-    held_out_quality = _held_out_quality(classifier, held_out, costs)
+    on_grid = judge(classifier.probabilities(_inputs(grid, axes)), classes, grid, costs)
+    held_out_quality = _held_out_quality(classifier, axes, held_out, costs)
     return Training(
         classes=classes,
         method=CONSTANT,
@@ -171,18 +211,20 @@ def _constant_map(
         tasks_per_gait=(len(grid),),
         folds=0,
         remarks=("one gait at every feasible task of the grid: nothing was learnt, and nothing cross-validated",),
-        published=Published(0, 1.0, 0.0, held_out_quality),
+        published=Published(0, 1.0, 0.0, held_out_quality, held_out_quality),
     )
 
 
-def _held_out_quality(classifier: GaitClassifier, held_out: pd.DataFrame, costs: pd.DataFrame) -> Quality:
+def _held_out_quality(
+    classifier: GaitClassifier, axes: Sequence[str], held_out: pd.DataFrame, costs: pd.DataFrame
+) -> Quality:
     if held_out.empty:
         return judge(np.empty((0, len(classifier.classes))), classifier.classes, held_out, costs)
-    return judge(classifier.probabilities(_inputs(held_out)), classifier.classes, held_out, costs)
+    return judge(classifier.probabilities(_inputs(held_out, axes)), classifier.classes, held_out, costs)
 
 
-def _inputs(labels: pd.DataFrame) -> Floats:
-    return labels[["speed", "cycle_duration"]].to_numpy(dtype=np.float32)
+def _inputs(labels: pd.DataFrame, axes: Sequence[str]) -> Floats:
+    return labels[list(axes)].to_numpy(dtype=np.float32)
 
 
 def _plain(value: Any) -> Any:

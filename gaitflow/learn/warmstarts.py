@@ -11,9 +11,10 @@ import pandas as pd
 
 from gaitflow.core.trajectory import Array, Trajectory
 from gaitflow.dataset.labels import MAX_VIOLATION
+from gaitflow.dataset.schema import task_columns
 from gaitflow.search.solution import Solution
 
-TaskKey = tuple[float, float]  # speed m/s, cycle duration s
+TaskKey = tuple[float, ...]  # values on the task columns of the labels
 
 
 @dataclass(frozen=True)
@@ -43,29 +44,16 @@ def region_means(
     """
     grid = labels[(labels["split"] == "grid") & (labels["status"] == "solved")]
     key_of = dict(zip(grid["gait"], grid["gait_key"], strict=True))
-    region = {
-        (float(v), float(t)): (str(gait), key_of[gait])
-        for v, t, gait in zip(grid["speed"], grid["cycle_duration"], grid["label"], strict=True)
-    }
+    *axes, _ = task_columns(labels.columns)
+    places = grid[axes].itertuples(index=False, name=None)
+    region = {place: (str(gait), key_of[gait]) for place, gait in zip(places, grid["label"], strict=True)}
     by_gait: dict[str, dict[TaskKey, list[Solution]]] = {gait: {} for gait, _ in region.values()}
     for solution in solutions:
-        task = (solution.speed, solution.cycle_duration)
+        task = solution.task.on(axes)
         gait, key = region.get(task, ("", ""))
-        if solution.split == "grid" and solution.gait == key and _usable(solution):
+        if solution.task.split == "grid" and solution.gait == key and _usable(solution):
             by_gait[gait].setdefault(task, []).append(solution)
     return tuple(_mean(gait, by_gait[gait], pack) for gait in sorted(by_gait))
-
-
-def winning_patterns(labels: pd.DataFrame, starts: Iterable[WarmStart]) -> dict[str, str]:
-    """Full patterns and their gaits: those of the starts, and all that are the best at a task of the grid.
-
-    A gait may win with several: which phase it repeats depends on the task. Gaits without a start are left out.
-    """
-    patterns = {start.pattern: start.gait for start in starts}
-    grid = labels[(labels["split"] == "grid") & (labels["status"] == "solved")]
-    known = set(patterns.values())
-    best = {str(row.pattern): str(row.gait) for row in grid.itertuples() if row.gait in known}
-    return patterns | {pattern: best[pattern] for pattern in sorted(set(best) - set(patterns))}
 
 
 def _usable(solution: Solution) -> bool:
@@ -87,7 +75,7 @@ def _mean(gait: str, region: dict[TaskKey, list[Solution]], pack: Callable[[Traj
         for _, found in sorted(region.items())
         if (same := [one for one in found if one.pattern == pattern])
     ]
-    trajectories = [(one.trajectory, one.cycle_duration) for one in chosen if one.trajectory is not None]
+    trajectories = [(one.trajectory, one.task.cycle_duration) for one in chosen if one.trajectory is not None]
     multipliers = [one.multipliers for one in chosen if one.multipliers is not None]
     return WarmStart(
         gait=gait,

@@ -1,0 +1,53 @@
+"""Which full patterns an atlas has sheets of: as few as are the best of their gait wherever it matters.
+
+Several full patterns realise a gait (AABC, ABBC, ABCC), and which of them costs least depends on the task.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import pandas as pd
+
+from gaitflow.dataset.labels import MAX_VIOLATION
+from gaitflow.dataset.schema import task_columns
+
+NEARLY_BEST = 0.02  # relative: a gait matters at tasks of the grid where it is at most this much dearer than the best
+
+
+def full_patterns(
+    solutions: pd.DataFrame, costs: pd.DataFrame, gaits: Iterable[str], tolerance: float
+) -> dict[str, str]:
+    """Full patterns and the gaits that they realise, of the `gaits` only, sorted by gait.
+
+    `solutions` are the scalars of the dataset, `costs` the frame of `gaitflow.dataset.labels.gait_costs`. At every task
+    of the grid where a gait matters one of its patterns is at most `tolerance` (relative) dearer than its best one.
+    """
+    task = task_columns(costs.columns)
+    kept = (solutions["status"] == "solved") & (solutions["violation"] <= MAX_VIOLATION)
+    rows = solutions[kept & (solutions["split"] == "grid")]
+    least = rows.groupby([*task, "gait", "pattern"], sort=False)["cost"].min().reset_index()
+    best = least.groupby([*task, "gait"])["cost"].transform("min")
+    good = least[least["cost"] <= best * (1 + tolerance)]
+    matters = costs[(costs["split"] == "grid") & (costs["excess"] <= NEARLY_BEST)]
+    chosen: dict[str, str] = {}
+    for name in sorted(set(gaits)):
+        wanted = matters[matters["gait"] == name]
+        covering = good.merge(wanted[[*task, "gait_key"]], left_on=[*task, "gait"], right_on=[*task, "gait_key"])
+        places = covering[task].itertuples(index=False, name=None)
+        by_pattern: dict[str, set[tuple[float | str, ...]]] = {}
+        for pattern, place in zip(covering["pattern"], places, strict=True):
+            by_pattern.setdefault(pattern, set()).add(place)
+        for pattern in _cover(by_pattern):
+            chosen[pattern] = name
+    return chosen
+
+
+def _cover(sets: dict[str, set[tuple[float | str, ...]]]) -> list[str]:
+    """Names of few sets that have everything in any of them, by taking what adds most; the first name of equal ones."""
+    missing, taken = set[tuple[float | str, ...]]().union(*sets.values()), list[str]()
+    while missing:
+        name = min(sets, key=lambda each: (-len(sets[each] & missing), each))
+        taken.append(name)
+        missing -= sets[name]
+    return taken
