@@ -1,4 +1,5 @@
-// Asks an exported map about tasks: lines "speed cycle_duration" (m/s, s) in, a JSON object a line out.
+// Asks an exported map about tasks: a line of values on the map's axes in, such as "0.9 0.6" (m/s, s), a JSON object a
+// line out.
 //
 // Beside the gait and its warm start it evaluates the map's own problem there: the cost, the constraint rows, and the
 // largest component of the Lagrangian's gradient over the variables that the gait leaves free. An optimiser of yours is
@@ -35,19 +36,20 @@ void print(const char* name, const gaitflow::Vector& values) {
 
 class Problem {
  public:
-  explicit Problem(const gaitflow::Layout& layout)
+  Problem(const gaitflow::Layout& layout, std::size_t parameters)
       : value_(GAITFLOW_FUNCTION(gaitflow_problem)),
         gradient_(GAITFLOW_FUNCTION(gaitflow_gradient)),
         jacobian_(GAITFLOW_FUNCTION(gaitflow_jacobian)) {
-    if (value_.input_size(0) != layout.variables() || value_.result(1).size() != layout.rows)
+    if (value_.input_size(0) != layout.variables() || value_.input_size(1) != parameters ||
+        value_.result(1).size() != layout.rows)
       throw std::runtime_error("map.bin and problem.c are of different exports; export the map again");
   }
 
-  void print_at(const gaitflow::WarmStart& start, const double* task) {
-    value_({start.primal.data(), task});
+  void print_at(const gaitflow::WarmStart& start, const gaitflow::Vector& task) {
+    value_({start.primal.data(), task.data()});
     print("cost", value_.result(0)[0]);
     print("rows", value_.result(1));
-    print("stationarity", stationarity(start, task));
+    print("stationarity", stationarity(start, task.data()));
   }
 
  private:
@@ -67,21 +69,32 @@ class Problem {
   gaitflow::Function value_, gradient_, jacobian_;
 };
 
+// The place in the next line; false at the end of the input. Throws for anything but numbers, and for too few of them.
+bool read(gaitflow::Vector& place, std::size_t line) {
+  for (double& value : place) {
+    if (std::cin >> value) continue;
+    if (&value == &place.front() && std::cin.eof()) return false;
+    throw std::runtime_error("line " + std::to_string(line) + ": write " + std::to_string(place.size()) +
+                             " numbers, a value for each of the map's axes");
+  }
+  return true;
+}
+
 void answer_all(const gaitflow::GaitMap& map) {
-  Problem problem(map.layout());
-  double task[2], select_us = 0, start_us = 0;
+  Problem problem(map.layout(), map.file().task.names.size());
+  gaitflow::Vector place(map.axes().size());
+  double select_us = 0, start_us = 0;
   std::size_t tasks = 0, starts = 0;
-  for (; std::cin >> task[0] >> task[1]; ++tasks) {
+  for (; read(place, tasks + 1); ++tasks) {
     const Clock::time_point asked = Clock::now();
-    const gaitflow::Choice choice = map.select(task[0], task[1]);
+    const gaitflow::Choice choice = map.select(place);
     const Clock::time_point selected = Clock::now();
     select_us += microseconds(asked, selected);
     std::printf("{\"in_domain\": %s", choice.in_domain ? "true" : "false");
-    print("speed", task[0]);
-    print("cycle_duration", task[1]);
+    for (std::size_t axis = 0; axis < place.size(); ++axis) print(map.axes()[axis].c_str(), place[axis]);
     if (choice.gait) {
       const Clock::time_point chosen = Clock::now();
-      const gaitflow::WarmStart start = map.warm_start(*choice.gait, task[0], task[1]);
+      const gaitflow::WarmStart start = map.warm_start(*choice.gait, place);
       start_us += microseconds(chosen, Clock::now());
       ++starts;
       std::printf(", \"gait\": \"%s\", \"pattern\": \"%s\"", choice.gait->name.c_str(), start.pattern->c_str());
@@ -90,14 +103,14 @@ void answer_all(const gaitflow::GaitMap& map) {
       print("primal", start.primal);
       print("multipliers_bounds", start.multipliers_bounds);
       print("multipliers_rows", start.multipliers_rows);
-      const gaitflow::Trajectory motion = gaitflow::unpack(map.layout(), start.primal, task[1]);
+      const gaitflow::Trajectory motion = gaitflow::unpack(map.layout(), start.primal, map.cycle_duration(place));
       print("times", motion.times);
       print("feet", motion.feet);
-      problem.print_at(start, task);
+      print("end_forces", motion.end_forces);
+      problem.print_at(start, map.parameters(place));
     }
     std::printf("}\n");
   }
-  if (!std::cin.eof()) throw std::runtime_error("line " + std::to_string(tasks + 1) + ": write two numbers, m/s and s");
   std::fprintf(stderr, "%zu tasks, %.1f us a select; %zu warm starts, %.1f us each\n", tasks,
                tasks ? select_us / static_cast<double>(tasks) : 0.0, starts,
                starts ? start_us / static_cast<double>(starts) : 0.0);

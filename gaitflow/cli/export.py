@@ -20,8 +20,9 @@ from gaitflow.config.file import ConfigError
     type=click.Path(path_type=Path),
     help="The folder to write: C functions, map.bin, and a C++17 reader.",
 )
+@click.option("--trust-code", is_flag=True, help="Run the code that maps of formats 1 and 2 hold as their problem.")
 @json_option
-def export(model: Path, folder: Path, as_json: bool) -> None:
+def export(model: Path, folder: Path, trust_code: bool, as_json: bool) -> None:
     """Write MODEL (a version's folder or its parent) as C and data; docs/other-languages.md says how to use it.
 
     \b
@@ -35,7 +36,7 @@ def export(model: Path, folder: Path, as_json: bool) -> None:
 
     with bad_input():
         try:
-            done = export_c(model, folder)
+            done = export_c(model, folder, trust_code)
         except ArtifactError as error:
             raise ConfigError(str(error)) from None
     if as_json:

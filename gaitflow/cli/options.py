@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Callable
 from functools import wraps
@@ -42,7 +41,7 @@ def task_options(command: Command) -> Command:
     decorated: Any = collected
     for axis in reversed(AXES.values()):
         decorated = click.option(
-            *_spelled(axis.name), axis.name, type=float, multiple=True, metavar=f"[{axis.unit}]", help=_told(axis)
+            *_spelled(axis.name), axis.name, type=float, multiple=True, metavar=axis.unit if axis.unit != "1" else "NUMBER", help=_told(axis)
         )(decorated)
     result: Command = decorated
     return result
@@ -63,6 +62,4 @@ def _spelled(axis: str) -> tuple[str, ...]:
 
 
 def _told(axis: Axis) -> str:
-    meaning = axis.meaning[0].upper() + axis.meaning[1:]
-    usual = axis.default if axis.default is not None and math.isfinite(axis.default) else None
-    return f"{meaning}." if usual is None else f"{meaning}; {usual:g} unless the map says otherwise."
+    return f"{axis.meaning[0].upper()}{axis.meaning[1:]}."

@@ -11,16 +11,13 @@ from gaitflow.export.folder import refuse_foreign, write_folder
 from gaitflow.export.functions import FILES, c_files
 from gaitflow.export.map_file import map_bytes
 from gaitflow.export.network import read_network
-from gaitflow.runtime.classifier import Classifier
-from gaitflow.runtime.files import CLASSIFIER, LIMITS, MANIFEST, WARM_STARTS, read_checked, read_limited
-from gaitflow.runtime.gait_map import load_atlas
-from gaitflow.runtime.manifest import parse_manifest
+from gaitflow.runtime.artifact import load_artifact
+from gaitflow.runtime.files import CLASSIFIER, LIMITS, MANIFEST, read_checked, read_limited
 from gaitflow.runtime.problem import load_problem
-from gaitflow.runtime.tensors import parse_tensors
 from gaitflow.runtime.versions import resolve
 
 MAP = "map.bin"
-READER = ("gait_map.hpp", "trajectory.hpp", "map_file.hpp", "map_data.hpp", "function.hpp")
+READER = ("gait_map.hpp", "atlas.hpp", "trajectory.hpp", "map_file.hpp", "map_data.hpp", "function.hpp")
 SOURCES = ("map.h", *(f"{name}{suffix}" for name in FILES for suffix in (".c", ".h")))
 CONTENT = (MAP, *SOURCES, *READER)
 
@@ -34,24 +31,22 @@ class Exported:
     sizes: dict[str, int]
 
 
-def export_c(model: Path, folder: Path) -> Exported:
+def export_c(model: Path, folder: Path, trust_code: bool = False) -> Exported:
     """Write the map `models/<scenario>/<version>`, or the newest version in `models/<scenario>`, to `folder`.
 
-    An earlier export there is replaced. Raises ArtifactError for a damaged map, CannotExport for a classifier that is
-    no perceptron and a folder that holds anything else, WriteError when the disk refuses; then nothing is written.
+    An earlier export there is replaced. `trust_code` allows to run the code that maps of formats 1 and 2 hold as their
+    problem. Raises ArtifactError for a damaged map, CannotExport for a classifier that is no perceptron and a folder
+    that holds anything else, WriteError when the disk refuses; then nothing is written.
     """
     refuse_foreign(folder, CONTENT)
     source = resolve(model)
-    content = read_limited(source / MANIFEST, LIMITS[MANIFEST])
-    manifest = parse_manifest(content, str(source / MANIFEST))
-    onnx, where = read_checked(source, CLASSIFIER, manifest.files[CLASSIFIER]), str(source / CLASSIFIER)
-    Classifier(onnx, len(manifest.gaits), where)
-    network = read_network(onnx, manifest.classifier_kind, where)
-    starts = read_checked(source, WARM_STARTS, manifest.files[WARM_STARTS])
-    tensors = parse_tensors(starts, len(manifest.gaits), manifest.layout, str(source / WARM_STARTS))
-    digest = hashlib.sha256(content).digest()
-    written = {MAP: map_bytes(manifest, digest, network, tensors, load_atlas(source, manifest))}
-    written |= c_files(load_problem(source, manifest), manifest.name)
+    artifact = load_artifact(source)
+    manifest = artifact.manifest
+    onnx = read_checked(source, CLASSIFIER, manifest.files[CLASSIFIER])
+    network = read_network(onnx, manifest.classifier_kind, str(source / CLASSIFIER))
+    digest = hashlib.sha256(read_limited(source / MANIFEST, LIMITS[MANIFEST])).digest()
+    written = {MAP: map_bytes(artifact, digest, network)}
+    written |= c_files(load_problem(source, manifest, artifact.tensors.rows, trust_code), manifest.name)
     written |= {name: files("gaitflow.export").joinpath("cpp", name).read_bytes() for name in READER}
     write_folder(folder, written)
     return Exported(source, folder, {name: len(data) for name, data in written.items()})

@@ -17,7 +17,7 @@ FILES = {"problem": ("problem", "gradient"), "jacobian": ("jacobian",), "hessian
 
 
 def c_files(problem: Any, scenario: str) -> dict[str, bytes]:
-    """Sources and headers by name; `problem` is the artifact's (w [nw], task [2]) -> (cost, rows [ng]).
+    """Sources and headers by name; `problem` is the map's (w [nw], task [axes]) -> (cost, rows [ng]).
 
     Each function's name begins with the scenario's, so that a planner may link several maps; map.h declares all of
     them and gives them names that every map has. Equal problems give equal files.
@@ -38,7 +38,7 @@ def identifier(scenario: str) -> str:
 
 def _functions(problem: Any, prefix: str) -> dict[str, Any]:
     """By name: the functions of (w, task), the Hessian's of (w, task, multipliers)."""
-    sizes = {"w": problem.numel_in(0), "task": 2, "multipliers": problem.numel_out(1)}
+    sizes = {"w": problem.numel_in(0), "task": problem.numel_in(1), "multipliers": problem.numel_out(1)}
     w, task, multipliers = (casadi.SX.sym(name, size) for name, size in sizes.items())
     cost, rows, gradient, jacobian, hessian = derivatives(problem)(w, task, multipliers)
     primal, names = [w, task], ["w", "task"]

@@ -14,29 +14,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitflow.core.domain import Domain
-from gaitflow.core.trajectory import Array
+from gaitflow.core.layout import Layout
+from gaitflow.core.task import AXES
+from gaitflow.core.task_space import TaskSpace
 from gaitflow.export.network import Network
-from gaitflow.runtime.atlas import Atlas
-from gaitflow.runtime.layout import Layout
+from gaitflow.runtime.artifact import Artifact
+from gaitflow.runtime.atlas import NEAREST, REACH, SUPPORT, Atlas
 from gaitflow.runtime.manifest import Manifest
 from gaitflow.runtime.tensors import GaitTensors
 from gaitflow.solvers.point import GaitSpace
 
 MAGIC = b"gaitmap\n"
-FORMAT = 1
+FORMAT = 2
 ALIGNMENT = 8
 _START = struct.Struct("<8sIIQ32s")  # magic, format, CRC-32 of all from byte 16 on, size of the file, digest
 
 
-def map_bytes(manifest: Manifest, digest: bytes, network: Network, tensors: GaitTensors, atlas: Atlas) -> bytes:
+def map_bytes(artifact: Artifact, digest: bytes, network: Network) -> bytes:
     """The file's content; `digest` [32] is the SHA-256 of manifest.json. Equal maps give equal bytes."""
+    manifest, tensors = artifact.manifest, artifact.tensors
+    legs = [str(leg["name"]) for leg in manifest.scenario["robot"]["legs"]]
     items = chain(
         [_text(manifest.name), _text(str(manifest.version))],
+        _axes(manifest.space),
         _domain(manifest.domain),
-        _layout(manifest.layout, tensors.scale),
+        _layout(manifest.layout, legs, tensors.rows),
         _network(network),
         _gaits(manifest, tensors),
-        _atlas(atlas),
+        _atlas(artifact.atlas),
     )
     body = b"".join(items)
     size = _START.size + len(body)
@@ -44,17 +49,28 @@ def map_bytes(manifest: Manifest, digest: bytes, network: Network, tensors: Gait
     return _START.pack(MAGIC, FORMAT, zlib.crc32(checked), size, digest) + body
 
 
+def _axes(space: TaskSpace) -> Iterator[bytes]:
+    """Every parameter of a task with the value that the map holds it at, 0 for those that it ranges over."""
+    names, fixed = list(AXES), dict(space.fixed)
+    held = [0.0 if name in space.ranged else fixed.get(name, AXES[name].default or 0.0) for name in names]
+    yield _counts(len(names), len(space.ranged))
+    yield from map(_text, names)
+    yield _array(held, "<f8")
+    yield _counts(*(names.index(axis) for axis in space.ranged))
+
+
 def _domain(domain: Domain) -> Iterator[bytes]:
-    yield _counts(len(domain.speeds), len(domain.cycle_durations))
-    yield _array(domain.speeds, "<f8")
-    yield _array(domain.cycle_durations, "<f8")
+    yield _counts(*map(len, domain.axes.values()))
+    yield from (_array(values, "<f8") for values in domain.axes.values())
     yield _array(domain.feasible, "u1")
 
 
-def _layout(layout: Layout, scale: Array) -> Iterator[bytes]:
-    yield _counts(layout.phases, layout.knots_per_phase, len(layout.legs), layout.dimension, layout.base, layout.rows)
-    yield from map(_text, layout.legs)
-    yield _array(scale, "<f8")
+def _layout(layout: Layout, legs: Sequence[str], rows: int) -> Iterator[bytes]:
+    sizes = layout.phases, layout.knots_per_phase, layout.legs, layout.dimension, layout.nb, rows
+    yield _counts(*sizes, int(layout.linear_forces))
+    yield from map(_text, legs)
+    yield _array(layout.shares, "<f8")
+    yield _array(layout.scale(1.0), "<f8")
 
 
 def _network(network: Network) -> Iterator[bytes]:
@@ -75,22 +91,17 @@ def _gaits(manifest: Manifest, tensors: GaitTensors) -> Iterator[bytes]:
 
 
 def _atlas(atlas: Atlas) -> Iterator[bytes]:
-    yield _counts(len(atlas.speeds), len(atlas.cycle_durations))
-    yield _array(atlas.speeds, "<f8")
-    yield _array(atlas.cycle_durations, "<f8")
-    yield _array([atlas.barrier], "<f8")
+    yield _array(atlas.steps, "<f8")
+    yield _array([atlas.barrier, REACH, NEAREST, SUPPORT], "<f8")
     yield _counts(len(atlas.sheets))
     for sheet in atlas.sheets:
         yield _counts(sheet.gait)
         yield _text(sheet.pattern)
         yield from _space(sheet.space)
-        yield _counts(len(sheet.places), *sheet.modes.shape)
+        yield _counts(len(sheet.tasks), *sheet.modes.shape)
         yield _array([sheet.tear], "<f8")
-        yield _array(sheet.places, "<u4")
-        yield _array(sheet.costs, "<f8")
-        yield _array(sheet.mean, "<f4")
-        yield _array(sheet.modes, "<f4")
-        yield _array(sheet.coordinates, "<f4")
+        yield from (_array(each, "<f8") for each in (sheet.tasks, sheet.costs, sheet.slopes))
+        yield from (_array(each, "<f4") for each in (sheet.mean, sheet.modes, sheet.coordinates, sheet.tangents))
 
 
 def _space(space: GaitSpace) -> Iterator[bytes]:

@@ -34,7 +34,7 @@ class Layer:
 class Network:
     """softmax(scores / temperature) of the last layer's scores; between two layers negative values become 0.
 
-    All float32. The first layer takes (speed m/s, cycle duration s), the last gives a score a gait.
+    All float32. The first layer takes the map's ranged axes, the last gives a score a gait.
     """
 
     layers: tuple[Layer, ...]

@@ -1,10 +1,12 @@
 // A gait map in C++17, without any library: which gait a task takes, and where to start an optimiser.
 //
 //   const gaitflow::GaitMap map("map.bin");
-//   const gaitflow::Choice choice = map.select(0.9, 0.6);  // m/s, s
-//   if (choice.gait) const gaitflow::WarmStart start = map.warm_start(*choice.gait, 0.9, 0.6);
+//   const gaitflow::Vector place = map.place({{"speed", 0.9}, {"cycle_duration", 0.6}});
+//   const gaitflow::Choice choice = map.select(place);
+//   if (choice.gait) const gaitflow::WarmStart start = map.warm_start(*choice.gait, place);
 //
-// It answers as gaitflow.runtime.GaitMap does. Immutable: any number of threads may ask one map.
+// It answers as gaitflow.runtime.GaitMap does. A place has a value for each of the map's axes, in the order of `axes()`
+// and in SI units, slopes in degrees. Immutable: any number of threads may ask one map.
 #pragma once
 
 #include <algorithm>
@@ -12,13 +14,16 @@
 #include <cstddef>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "atlas.hpp"
 #include "map_file.hpp"
 
 namespace gaitflow {
 
-// gait is a gait of the map, nullptr outside its domain; probabilities has one for each gait, empty outside.
+// gait is a gait of the map, nullptr outside its domain; probability is the classifier's for it, probabilities has one
+// for each gait, empty outside.
 struct Choice {
   bool in_domain;
   const Gait* gait;
@@ -37,28 +42,83 @@ struct WarmStart {
 class GaitMap {
  public:
   // Throws MapError for a file that is missing, damaged or of another format.
-  explicit GaitMap(const std::string& path) : map_(read_map(path)) {}
+  explicit GaitMap(const std::string& path) : map_(read_map(path)) {
+    for (const std::size_t parameter : map_.task.ranged) axes_.push_back(map_.task.names[parameter]);
+  }
 
   const MapFile& file() const { return map_; }
   const std::vector<Gait>& gaits() const { return map_.gaits; }
   const Layout& layout() const { return map_.layout; }
 
-  // Whether the map answers for a task: every grid task around it has a feasible gait.
-  bool contains(double speed, double cycle_duration) const {
-    check(speed, cycle_duration);
-    const Around row = around(map_.speeds, speed), column = around(map_.cycle_durations, cycle_duration);
-    if (!row.inside || !column.inside) return false;
-    const auto feasible = [this](std::size_t i, std::size_t j) {
-      return map_.feasible[i * map_.cycle_durations.size() + j] != 0;
-    };
-    return feasible(row.low, column.low) && feasible(row.low, column.high) && feasible(row.high, column.low) &&
-           feasible(row.high, column.high);
+  // The axes that the map ranges over, such as speed and cycle_duration.
+  const std::vector<std::string>& axes() const { return axes_; }
+
+  // The place of a task from values by axis. Throws std::invalid_argument for an axis that is unknown, that is missing,
+  // given twice, or held at another value.
+  Vector place(const std::vector<std::pair<std::string, double>>& values) const {
+    Vector place(axes_.size());
+    std::vector<bool> given(map_.task.names.size(), false);
+    for (const auto& [axis, value] : values) {
+      const auto name = std::find(map_.task.names.begin(), map_.task.names.end(), axis);
+      const std::size_t parameter = static_cast<std::size_t>(name - map_.task.names.begin());
+      if (name == map_.task.names.end()) throw std::invalid_argument("axis " + axis + ": is unknown; " + ask_for());
+      if (given[parameter]) throw std::invalid_argument("axis " + axis + ": is given twice");
+      given[parameter] = true;
+      const auto own = std::find(axes_.begin(), axes_.end(), axis);
+      if (own != axes_.end())
+        place[static_cast<std::size_t>(own - axes_.begin())] = value;
+      else if (value != map_.task.held[parameter])
+        throw std::invalid_argument("axis " + axis + ": the map holds it at " +
+                                    std::to_string(map_.task.held[parameter]) + "; " + ask_for());
+    }
+    for (const std::size_t parameter : map_.task.ranged)
+      if (!given[parameter])
+        throw std::invalid_argument("axis " + map_.task.names[parameter] + ": is missing; " + ask_for());
+    check(place);
+    return place;
   }
 
-  // One probability a gait, anywhere: outside the domain it is a guess. float32, as in the ONNX graph.
-  std::vector<float> probabilities(double speed, double cycle_duration) const {
-    check(speed, cycle_duration);
-    std::vector<float> values{static_cast<float>(speed), static_cast<float>(cycle_duration)}, next;
+  // What the exported functions take as the task of a place: all its parameters, those held by the map included.
+  Vector parameters(const Vector& place) const {
+    check(place);
+    Vector task = map_.task.held;
+    for (std::size_t axis = 0; axis < axes_.size(); ++axis) task[map_.task.ranged[axis]] = place[axis];
+    return task;
+  }
+
+  // T [s] of a place.
+  double cycle_duration(const Vector& place) const {
+    const auto& names = map_.task.names;
+    const auto at = std::find(names.begin(), names.end(), "cycle_duration") - names.begin();
+    return parameters(place).at(static_cast<std::size_t>(at));
+  }
+
+  // Whether the map answers for a place: every grid task around it has a feasible gait.
+  bool contains(const Vector& place) const {
+    check(place);
+    std::vector<std::size_t> corners{0};  // places in `feasible` of the grid tasks around
+    for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+      const Vector& values = map_.domain.axes[axis];
+      const auto above = std::upper_bound(values.begin(), values.end(), place[axis] + snap);
+      const auto high = std::lower_bound(values.begin(), values.end(), place[axis] - snap);
+      if (above == values.begin() || high == values.end()) return false;
+      const auto last = static_cast<std::size_t>(above - values.begin()) - 1;
+      const auto first = static_cast<std::size_t>(high - values.begin());
+      std::vector<std::size_t> next;
+      for (const std::size_t corner : corners) {
+        next.push_back(corner * values.size() + first);
+        if (last != first) next.push_back(corner * values.size() + last);
+      }
+      corners.swap(next);
+    }
+    return std::all_of(corners.begin(), corners.end(), [this](std::size_t i) { return map_.domain.feasible[i] != 0; });
+  }
+
+  // One probability a gait by the classifier, anywhere: outside the domain it is a guess. float32, as in the ONNX graph.
+  std::vector<float> probabilities(const Vector& place) const {
+    check(place);
+    std::vector<float> values, next;
+    for (const double value : place) values.push_back(static_cast<float>(std::clamp(value, -farthest, farthest)));
     for (const Layer& layer : map_.layers) {
       next = layer.biases;
       const float* weight = layer.weights.data();
@@ -76,41 +136,29 @@ class GaitMap {
     return values;
   }
 
-  // The likeliest gait, of equal ones the first. Throws std::invalid_argument for a number that is not finite.
-  Choice select(double speed, double cycle_duration) const {
-    if (!contains(speed, cycle_duration)) return {false, nullptr, 0.0, {}};
-    std::vector<float> all = probabilities(speed, cycle_duration);
-    const std::size_t best = static_cast<std::size_t>(std::max_element(all.begin(), all.end()) - all.begin());
+  // The gait that the atlas predicts to cost least; where it knows none, the classifier's likeliest, of equal ones the
+  // first. Throws std::invalid_argument for a number that is not finite.
+  Choice select(const Vector& place) const {
+    if (!contains(place)) return {false, nullptr, 0.0, {}};
+    std::vector<float> all = probabilities(place);
+    const std::vector<const Sheet*> known = AtlasView(map_.atlas).ranked(place);
+    const auto likeliest = static_cast<std::size_t>(std::max_element(all.begin(), all.end()) - all.begin());
+    const std::size_t best = known.empty() ? likeliest : known.front()->gait;
     return {true, &map_.gaits[best], static_cast<double>(all[best]), std::move(all)};
   }
 
   // Predicted by the atlas; the mean of the gait's region where the atlas does not know the gait.
-  WarmStart warm_start(const Gait& gait, double speed, double cycle_duration) const {
-    check(speed, cycle_duration);
+  WarmStart warm_start(const Gait& gait, const Vector& place) const {
+    check(place);
     const std::size_t number = number_of(gait);
-    const Cell cell = cell_of(speed, cycle_duration);
-    const Sheet* chosen = nullptr;
-    double chosen_cost = 0;
-    bool chosen_certain = false;
-    for (const Sheet& sheet : map_.sheets) {
-      if (sheet.gait != number) continue;
-      double share = 0, log_cost = 0;
-      for (std::size_t k = 0; k < 4; ++k) {
-        const std::int32_t node = sheet.node_at[cell.place[k]];
-        if (node < 0) continue;
-        share += cell.weight[k];
-        log_cost += cell.weight[k] * sheet.log_costs[static_cast<std::size_t>(node)];
-      }
-      if (share <= 0) continue;
-      const double cost = std::exp(log_cost / share);
-      const bool certain = share >= support;
-      if (!chosen || certain > chosen_certain || (certain == chosen_certain && cost < chosen_cost)) {
-        chosen = &sheet;
-        chosen_cost = cost;
-        chosen_certain = certain;
-      }
+    const AtlasView atlas(map_.atlas);
+    for (const Sheet* sheet : atlas.ranked(place)) {
+      if (sheet->gait != number) continue;
+      Vector point;
+      double cost = 0;
+      if (atlas.predict(*sheet, place, point, cost)) return joined(*sheet, point, cost);
     }
-    return chosen ? predicted(*chosen, cell) : mean_start(gait);
+    return mean_start(gait);
   }
 
   // The mean over the gait's region of tasks.
@@ -119,91 +167,28 @@ class GaitMap {
   }
 
  private:
-  static constexpr double snap = 1e-9;     // a task this close to a grid value is on it
-  static constexpr double support = 0.75;  // share of the nodes around that a cost has to rest on to be believed
+  static constexpr double snap = 1e-9;  // a task this close to a grid value is on it
   static constexpr double largest_log = 20.0;
+  static constexpr double farthest = 1e6;  // of what the classifier's float32 is asked for
 
-  struct Around {
-    bool inside;
-    std::size_t low, high;
-  };
-
-  struct Cell {
-    std::size_t place[4];  // corners of a task's cell in Sheet::node_at
-    double weight[4];
-  };
-
-  static void check(double speed, double cycle_duration) {
-    if (!std::isfinite(speed))
-      throw std::invalid_argument("speed = " + std::to_string(speed) + ": must be a finite number");
-    if (!std::isfinite(cycle_duration))
-      throw std::invalid_argument("cycle_duration = " + std::to_string(cycle_duration) + ": must be a finite number");
+  void check(const Vector& place) const {
+    if (place.size() != axes_.size())
+      throw std::invalid_argument("a place has " + std::to_string(place.size()) + " values; " + ask_for());
+    for (std::size_t axis = 0; axis < axes_.size(); ++axis)
+      if (!std::isfinite(place[axis]))
+        throw std::invalid_argument(axes_[axis] + " = " + std::to_string(place[axis]) + ": must be a finite number");
   }
 
-  // The last grid value at or below, and the first at or above.
-  static Around around(const Vector& axis, double value) {
-    const auto above = std::upper_bound(axis.begin(), axis.end(), value + snap);
-    const auto high = std::lower_bound(axis.begin(), axis.end(), value - snap);
-    if (above == axis.begin() || high == axis.end()) return {false, 0, 0};
-    return {true, static_cast<std::size_t>(above - axis.begin()) - 1, static_cast<std::size_t>(high - axis.begin())};
-  }
-
-  // The lower index of the value's cell, and how far into it; the nearest beyond the ends.
-  static std::pair<std::size_t, double> cell_on(const Vector& axis, double value) {
-    const auto above = std::upper_bound(axis.begin(), axis.end(), value);
-    const std::ptrdiff_t last = static_cast<std::ptrdiff_t>(axis.size()) - 2;
-    const auto index = static_cast<std::size_t>(
-        std::clamp<std::ptrdiff_t>((above - axis.begin()) - 1, 0, last));
-    return {index, std::clamp((value - axis[index]) / (axis[index + 1] - axis[index]), 0.0, 1.0)};
-  }
-
-  Cell cell_of(double speed, double cycle_duration) const {
-    const auto [i, s] = cell_on(map_.atlas_speeds, speed);
-    const auto [j, t] = cell_on(map_.atlas_cycle_durations, cycle_duration);
-    const std::size_t row = map_.atlas_cycle_durations.size(), first = i * row + j;
-    return {{first, first + 1, first + row, first + row + 1}, {(1 - s) * (1 - t), (1 - s) * t, s * (1 - t), s * t}};
+  std::string ask_for() const {
+    std::string text = "the map's axes are ";
+    for (const std::string& axis : axes_) text += (&axis == &axes_.front() ? "" : ", ") + axis;
+    return text;
   }
 
   std::size_t number_of(const Gait& gait) const {
     for (std::size_t i = 0; i < map_.gaits.size(); ++i)
       if (&map_.gaits[i] == &gait) return i;
     throw std::invalid_argument("gait " + gait.name + ": is none of this map's gaits(); take one of those");
-  }
-
-  // Nodes around the task, blended; those that are torn from the nearest one are left out.
-  WarmStart predicted(const Sheet& sheet, const Cell& cell) const {
-    const std::size_t modes = sheet.mode_count, size = sheet.mean.size();
-    const float* near[4] = {nullptr, nullptr, nullptr, nullptr};
-    double weight[4] = {0, 0, 0, 0}, log_costs[4] = {0, 0, 0, 0};
-    for (std::size_t k = 0; k < 4; ++k) {
-      const std::int32_t node = sheet.node_at[cell.place[k]];
-      if (node < 0) continue;
-      near[k] = sheet.coordinates.data() + static_cast<std::size_t>(node) * modes;
-      weight[k] = cell.weight[k];
-      log_costs[k] = sheet.log_costs[static_cast<std::size_t>(node)];
-    }
-    const float* nearest = near[std::max_element(weight, weight + 4) - weight];
-    double total = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      double square = 0;
-      for (std::size_t mode = 0; near[k] && mode < modes; ++mode) {
-        const double apart = static_cast<double>(near[k][mode]) - static_cast<double>(nearest[mode]);
-        square += apart * apart;
-      }
-      if (std::sqrt(square) > sheet.tear) weight[k] = 0;
-      total += weight[k];
-    }
-    Vector point(sheet.mean.begin(), sheet.mean.end());
-    double log_cost = 0;
-    for (std::size_t k = 0; k < 4; ++k) log_cost += (weight[k] /= total) * log_costs[k];
-    for (std::size_t mode = 0; mode < modes; ++mode) {
-      double along = 0;
-      for (std::size_t k = 0; k < 4; ++k)
-        if (weight[k] > 0) along += weight[k] * static_cast<double>(near[k][mode]);
-      const float* direction = sheet.modes.data() + mode * size;
-      for (std::size_t i = 0; i < size; ++i) point[i] += along * static_cast<double>(direction[i]);
-    }
-    return joined(sheet, point, std::exp(log_cost));
   }
 
   // The vectors of a point [ny]: free variables, multipliers of rows over the cost, logarithms of those of bounds.
@@ -233,6 +218,7 @@ class GaitMap {
   }
 
   MapFile map_;
+  std::vector<std::string> axes_;
 };
 
 }  // namespace gaitflow

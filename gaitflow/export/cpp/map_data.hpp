@@ -11,15 +11,33 @@ namespace gaitflow {
 
 using Vector = std::vector<double>;
 
-// Sizes of the decision vector w = (x_0, u_0, x_1, ..., x_K, phase durations), and w * scale in SI units.
+// The parameters of a task, as the exported functions take them, with the values that the map holds them at; of those
+// that it ranges over, its axes, `ranged` has the place among the parameters.
+struct Task {
+  std::vector<std::string> names;
+  Vector held;
+  std::vector<std::size_t> ranged;
+};
+
+// Tasks of a grid, over which the map answers: values of every axis, rising; feasible has the last axis fastest.
+struct Domain {
+  std::vector<Vector> axes;
+  std::vector<unsigned char> feasible;
+};
+
+// Sizes of the decision vector w = (x_0, u_0, x_1, ..., x_K, end forces, phase durations), and w * scale in SI units
+// for a cycle of 1 s. Only where forces are linear there are end forces, those at the end of each phase.
 struct Layout {
   std::size_t phases, knots_per_phase, dimension, base, rows;
+  bool linear_forces;
   std::vector<std::string> legs;
+  Vector shares;  // what part of its phase each step lasts [knots_per_phase]
   Vector scale;
 
   std::size_t steps() const { return phases * knots_per_phase; }
   std::size_t feet() const { return legs.size() * dimension; }
-  std::size_t variables() const { return (steps() + 1) * (base + feet()) + steps() * 2 * feet() + phases; }
+  std::size_t ends() const { return linear_forces ? phases * feet() : 0; }
+  std::size_t variables() const { return (steps() + 1) * (base + feet()) + steps() * 2 * feet() + ends() + phases; }
 };
 
 // The bounds that impose a pattern, of variables [nw] and rows [ng], and what they leave free.
@@ -42,31 +60,37 @@ struct Layer {
   std::vector<float> weights, biases;  // [inputs, outputs], [outputs]
 };
 
-// One full pattern of a gait over the atlas' tasks: n nodes, each a point of k modes.
+// One full pattern of a gait: n solved tasks (nodes) over a axes, each a point of k modes, with derivatives by the axes.
+// Lengths are in steps of the axes, slopes and tangents are by such a step.
 struct Sheet {
   std::size_t gait;
   std::string pattern;
   Space space;
   double tear;
-  std::vector<std::uint32_t> places;             // [n, 2] indices on the atlas' axes
-  Vector log_costs;                              // [n]
+  std::size_t nodes, mode_count;
+  Vector places, log_costs, slopes;              // [n, a], [n], [n, a]
   std::vector<float> mean, modes, coordinates;   // [ny], [k, ny], [n, k]
-  std::size_t mode_count;
-  std::vector<std::int32_t> node_at;             // [speeds, cycle durations]: number of the node there, -1 for none
+  Vector tangents;                               // [n, a, k]
+  std::vector<std::size_t> by_first_axis;        // the nodes in the order of their first axis
+};
+
+// The constants of the rule by which nodes predict are those of gaitflow/runtime/atlas.py, in steps.
+struct Atlas {
+  Vector steps;
+  double barrier, reach, nearest, support;
+  std::vector<Sheet> sheets;
 };
 
 struct MapFile {
   std::string scenario, version;
   std::array<unsigned char, 32> manifest_sha256;
-  Vector speeds, cycle_durations;       // the domain's axes [m/s], [s]
-  std::vector<unsigned char> feasible;  // [speeds, cycle durations]
+  Task task;
+  Domain domain;
   Layout layout;
   std::vector<Layer> layers;
   float temperature;
   std::vector<Gait> gaits;
-  Vector atlas_speeds, atlas_cycle_durations;
-  double barrier;
-  std::vector<Sheet> sheets;
+  Atlas atlas;
 };
 
 }  // namespace gaitflow

@@ -4,12 +4,14 @@
 // index before it is used. Whatever is wrong is a MapError that names the file.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -26,7 +28,7 @@ struct MapError : std::runtime_error {
 namespace detail {
 
 constexpr std::size_t start_size = 56, checked_from = 16, most_bytes = std::size_t{1} << 30;
-constexpr std::uint32_t known_format = 1;
+constexpr std::uint32_t known_format = 2;
 
 // CRC-32 as in zlib and PNG.
 inline std::uint32_t crc32(const unsigned char* bytes, std::size_t count) {
@@ -128,6 +130,31 @@ inline Space read_space(Cursor& file, const Layout& layout) {
   return space;
 }
 
+inline Task read_task(Cursor& file) {
+  Task task;
+  task.names.resize(file.count(1, 64, "a task has no parameters, or too many"));
+  task.ranged.resize(file.count(1, std::min<std::size_t>(task.names.size(), 8), "the map has no axes, or too many"));
+  for (std::string& name : task.names) name = file.text();
+  task.held = file.finite<double>(task.names.size());
+  for (std::size_t i = 0; i < task.ranged.size(); ++i)
+    task.ranged[i] = file.count(i == 0 ? 0 : task.ranged[i - 1] + 1, task.names.size() - 1, "an axis is no parameter");
+  return task;
+}
+
+inline Domain read_domain(Cursor& file, std::size_t axes) {
+  Domain domain;
+  std::vector<std::size_t> sizes(axes);
+  std::size_t tasks = 1;
+  for (std::size_t& size : sizes) {
+    size = file.count(1, 10000, "an axis of the domain is empty or too long");
+    file.require(tasks <= most_bytes / size, "the domain has too many tasks");
+    tasks *= size;
+  }
+  for (const std::size_t size : sizes) domain.axes.push_back(file.axis(size));
+  domain.feasible = file.array<unsigned char>(tasks);
+  return domain;
+}
+
 inline Layout read_layout(Cursor& file) {
   const char* fault = "the layout of the decision vector is not one";
   Layout layout;
@@ -137,7 +164,9 @@ inline Layout read_layout(Cursor& file) {
   layout.dimension = file.count(2, 3, fault);
   layout.base = file.count(1, 100, fault);
   layout.rows = file.count(1, 10000000, fault);
+  layout.linear_forces = file.count(0, 1, fault) == 1;
   for (std::string& leg : layout.legs) leg = file.text();
+  layout.shares = file.finite<double>(layout.knots_per_phase);
   layout.scale = file.finite<double>(layout.variables());
   return layout;
 }
@@ -148,7 +177,7 @@ inline void read_network(Cursor& file, MapFile& map) {
     Layer layer;
     layer.outputs = file.count(1, 100000, "a layer of the classifier is empty or too large");
     layer.inputs = file.count(1, 100000, "a layer of the classifier is empty or too large");
-    const std::size_t inputs = i == 0 ? 2 : map.layers.back().outputs;
+    const std::size_t inputs = i == 0 ? map.task.ranged.size() : map.layers.back().outputs;
     file.require(layer.inputs == inputs, "the layers of the classifier do not fit together");
     layer.weights = file.finite<float>(layer.outputs * layer.inputs);
     layer.biases = file.finite<float>(layer.outputs);
@@ -175,42 +204,51 @@ inline void read_gaits(Cursor& file, MapFile& map) {
 }
 
 inline Sheet read_sheet(Cursor& file, const MapFile& map) {
-  const std::size_t rows = map.atlas_speeds.size(), columns = map.atlas_cycle_durations.size();
+  const std::size_t axes = map.task.ranged.size();
+  const Vector& steps = map.atlas.steps;
   Sheet sheet;
   sheet.gait = file.count(0, map.gaits.size() - 1, "a sheet of the atlas has a gait that the map has not");
   sheet.pattern = file.text();
   sheet.space = read_space(file, map.layout);
-  const std::size_t nodes = file.count(0, rows * columns, "a sheet of the atlas has too many nodes");
+  sheet.nodes = file.count(0, 1000000, "a sheet of the atlas has too many nodes");
   sheet.mode_count = file.count(0, 512, "a sheet of the atlas has too many modes");
   const std::size_t size = file.count(0, 100000000, "a sheet of the atlas is too large");
   file.require(size == sheet.space.encoded(), "a sheet of the atlas does not fit its pattern");
   sheet.tear = file.finite<double>(1)[0];
-  sheet.places = file.array<std::uint32_t>(nodes * 2);
-  sheet.log_costs = file.finite<double>(nodes);
+  sheet.places = file.finite<double>(sheet.nodes * axes);
+  sheet.log_costs = file.finite<double>(sheet.nodes);
+  sheet.slopes = file.finite<double>(sheet.nodes * axes);
   sheet.mean = file.finite<float>(size);
   sheet.modes = file.finite<float>(sheet.mode_count * size);
-  sheet.coordinates = file.finite<float>(nodes * sheet.mode_count);
-  sheet.node_at.assign(rows * columns, -1);
-  for (std::size_t node = 0; node < nodes; ++node) {
-    const std::size_t i = sheet.places[2 * node], j = sheet.places[2 * node + 1];
-    file.require(i < rows && j < columns, "a node of the atlas lies off its tasks");
-    std::int32_t& number = sheet.node_at[i * columns + j];
-    file.require(number < 0, "two nodes of a sheet lie at one task");
-    number = static_cast<std::int32_t>(node);
-    file.require(sheet.log_costs[node] > 0, "a cost is not positive");
-    sheet.log_costs[node] = std::log(sheet.log_costs[node]);
+  sheet.coordinates = file.finite<float>(sheet.nodes * sheet.mode_count);
+  const std::vector<float> tangents = file.finite<float>(sheet.nodes * axes * sheet.mode_count);
+  sheet.tangents.assign(tangents.begin(), tangents.end());
+  for (double& cost : sheet.log_costs) {
+    file.require(cost > 0, "a cost is not positive");
+    cost = std::log(cost);
   }
+  for (std::size_t i = 0; i < sheet.places.size(); ++i) {
+    sheet.places[i] /= steps[i % axes];
+    sheet.slopes[i] *= steps[i % axes];
+  }
+  for (std::size_t i = 0; i < sheet.tangents.size(); ++i) sheet.tangents[i] *= steps[i / sheet.mode_count % axes];
+  sheet.by_first_axis.resize(sheet.nodes);
+  std::iota(sheet.by_first_axis.begin(), sheet.by_first_axis.end(), std::size_t{0});
+  std::stable_sort(sheet.by_first_axis.begin(), sheet.by_first_axis.end(), [&](std::size_t one, std::size_t other) {
+    return sheet.places[one * axes] < sheet.places[other * axes];
+  });
   return sheet;
 }
 
 inline void read_atlas(Cursor& file, MapFile& map) {
-  const std::size_t speeds = file.count(2, 2000, "an axis of the atlas is too short or too long");
-  const std::size_t cycles = file.count(2, 2000, "an axis of the atlas is too short or too long");
-  map.atlas_speeds = file.axis(speeds);
-  map.atlas_cycle_durations = file.axis(cycles);
-  map.barrier = file.finite<double>(1)[0];
-  const std::size_t sheets = file.count(0, 4000000 / (speeds * cycles), "the atlas has too many sheets");
-  for (std::size_t i = 0; i < sheets; ++i) map.sheets.push_back(read_sheet(file, map));
+  Atlas& atlas = map.atlas;
+  atlas.steps = file.finite<double>(map.task.ranged.size());
+  for (const double step : atlas.steps) file.require(step > 0, "a step of the atlas is not positive");
+  const Vector rule = file.finite<double>(4);
+  atlas.barrier = rule[0], atlas.reach = rule[1], atlas.nearest = rule[2], atlas.support = rule[3];
+  file.require(atlas.reach > 0 && atlas.nearest > 0, "the atlas' rule has a length that is not positive");
+  const std::size_t sheets = file.count(0, 4096, "the atlas has too many sheets");
+  for (std::size_t i = 0; i < sheets; ++i) atlas.sheets.push_back(read_sheet(file, map));
 }
 
 inline std::vector<unsigned char> read_bytes(const std::string& path) {
@@ -242,7 +280,7 @@ inline MapFile read_map(const std::string& path) {
   std::memcpy(&size, bytes.data() + 16, 8);
   if (std::memcmp(bytes.data(), "gaitmap\n", 8) != 0) file.refuse("this is no map.bin");
   if (format != detail::known_format)
-    file.refuse("has format " + std::to_string(format) + ", this reader knows format 1; take the reader beside it");
+    file.refuse("has format " + std::to_string(format) + ", this reader knows format 2; take the reader beside it");
   if (size != bytes.size())
     file.refuse(std::to_string(bytes.size()) + " bytes, but it should have " + std::to_string(size));
   if (crc != detail::crc32(bytes.data() + detail::checked_from, bytes.size() - detail::checked_from))
@@ -251,11 +289,8 @@ inline MapFile read_map(const std::string& path) {
   std::memcpy(map.manifest_sha256.data(), bytes.data() + 24, 32);
   map.scenario = file.text();
   map.version = file.text();
-  const std::size_t speeds = file.count(1, 10000, "an axis of the domain is empty or too long");
-  const std::size_t cycles = file.count(1, 10000, "an axis of the domain is empty or too long");
-  map.speeds = file.axis(speeds);
-  map.cycle_durations = file.axis(cycles);
-  map.feasible = file.array<unsigned char>(speeds * cycles);
+  map.task = detail::read_task(file);
+  map.domain = detail::read_domain(file, map.task.ranged.size());
   map.layout = detail::read_layout(file);
   detail::read_network(file, map);
   detail::read_gaits(file, map);

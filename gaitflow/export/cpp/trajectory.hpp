@@ -1,6 +1,7 @@
 // A decision vector of the map's problem as a motion in SI units.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <stdexcept>
 #include <string>
@@ -9,10 +10,11 @@
 
 namespace gaitflow {
 
-// SI units, terrain frame. times [K+1]; base [K+1, nb]; feet [K+1, legs, d]; forces, foot_velocities [K, legs, d];
-// durations [phases]. Controls k act from knot k to k+1.
+// SI units, terrain frame. times [K+1]; base [K+1, nb]; feet [K+1, legs, d]; forces, end_forces, foot_velocities
+// [K, legs, d]; durations [phases]. In step k, from knot k to k+1, a foot moves at its velocity and its force runs
+// linearly from forces[k] to end_forces[k]; held forces have the two equal.
 struct Trajectory {
-  Vector times, base, feet, forces, foot_velocities, durations;
+  Vector times, base, feet, forces, end_forces, foot_velocities, durations;
 };
 
 // The motion in a decision vector [nw], such as WarmStart::primal, for a cycle duration [s].
@@ -32,11 +34,19 @@ inline Trajectory unpack(const Layout& layout, const Vector& primal, double cycl
     take(motion.forces, layout.feet(), 1.0);
     take(motion.foot_velocities, layout.feet(), 1.0);
   }
+  const std::size_t feet = layout.feet(), knots = layout.knots_per_phase;
+  Vector last;  // forces at the end of each phase
+  take(last, layout.ends(), 1.0);
   take(motion.durations, layout.phases, cycle_duration);
-  const double knots = static_cast<double>(layout.knots_per_phase);
+  motion.end_forces = motion.forces;
+  for (std::size_t step = 0; layout.linear_forces && step < layout.steps(); ++step) {
+    const bool ends = (step + 1) % knots == 0;
+    const double* from = ends ? last.data() + step / knots * feet : motion.forces.data() + (step + 1) * feet;
+    std::copy(from, from + feet, motion.end_forces.begin() + static_cast<std::ptrdiff_t>(step * feet));
+  }
   motion.times.push_back(0.0);
   for (std::size_t step = 0; step < layout.steps(); ++step)
-    motion.times.push_back(motion.times.back() + motion.durations[step / layout.knots_per_phase] / knots);
+    motion.times.push_back(motion.times.back() + motion.durations[step / knots] * layout.shares[step % knots]);
   return motion;
 }
 

@@ -1,0 +1,188 @@
+// What the atlas predicts at a place, by the rule in gaitflow/runtime/atlas.py: costs of all sheets, and a sheet's point.
+//
+// A place has a value for each axis, in the map's order. All lengths are in steps of the axes.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "map_data.hpp"
+
+namespace gaitflow {
+
+// support: how well nodes surround the place, 1 amid or upon them, 0 with none in reach; cost is NaN then.
+struct SheetCost {
+  double cost, support;
+};
+
+class AtlasView {
+ public:
+  explicit AtlasView(const Atlas& atlas) : atlas_(atlas), axes_(atlas.steps.size()) {}
+
+  // The problem's cost of one pattern at a place, from all of its nodes within reach.
+  SheetCost cost(const Sheet& sheet, const Vector& place) const {
+    const Vector asked = in_steps(place);
+    std::vector<Near> near;
+    const auto& order = sheet.by_first_axis;
+    const auto first = std::lower_bound(order.begin(), order.end(), asked[0] - atlas_.reach,
+                                        [&](std::size_t node, double low) { return sheet.places[node * axes_] < low; });
+    double total = 0;
+    for (auto at = first; at != order.end() && sheet.places[*at * axes_] - asked[0] <= atlas_.reach; ++at) {
+      double squared = 0;
+      for (std::size_t axis = 0; axis < axes_; ++axis) {
+        const double offset = sheet.places[*at * axes_ + axis] - asked[axis];
+        squared += offset * offset;
+      }
+      if (!(squared < atlas_.reach * atlas_.reach)) continue;
+      near.push_back({*at, 0.0, weight(std::sqrt(squared))});
+      total += near.back().weight;
+    }
+    if (!(total > 0)) return {std::nan(""), 0.0};
+    const Vector lean = mean_offset(sheet, near, asked, total);
+    double log = 0, square = 0;
+    for (const Near& each : near) {
+      double own = sheet.log_costs[each.node];
+      for (std::size_t axis = 0; axis < axes_; ++axis) {
+        const double offset = sheet.places[each.node * axes_ + axis] - asked[axis];
+        own -= sheet.slopes[each.node * axes_ + axis] * (offset + lean[axis]) / 2;
+      }
+      log += each.weight * own;
+    }
+    for (const double along : lean) square += along * along;
+    return {std::exp(std::clamp(log / total, -largest_log, largest_log)), 1 - std::sqrt(square) / atlas_.reach};
+  }
+
+  // The sheets with a node within reach, one for each gait: those whose cost is believed first, the cheapest first.
+  std::vector<const Sheet*> ranked(const Vector& place) const {
+    struct Ranked {
+      bool doubted;
+      double cost;
+      const Sheet* sheet;
+    };
+    std::vector<Ranked> all;
+    for (const Sheet& sheet : atlas_.sheets) {
+      const SheetCost found = cost(sheet, place);
+      const double cost = std::isnan(found.cost) ? std::numeric_limits<double>::infinity() : found.cost;
+      if (found.support > 0) all.push_back({found.support < atlas_.support, cost, &sheet});
+    }
+    std::stable_sort(all.begin(), all.end(), [](const Ranked& one, const Ranked& other) {
+      return one.doubted != other.doubted ? other.doubted : one.cost < other.cost;
+    });
+    std::vector<const Sheet*> best;
+    for (const Ranked& each : all) {
+      const auto same = [&](const Sheet* sheet) { return sheet->gait == each.sheet->gait; };
+      if (std::none_of(best.begin(), best.end(), same)) best.push_back(each.sheet);
+    }
+    return best;
+  }
+
+  // A pattern's point [ny] on the central path at a place, and its cost; false where no node is within reach. Nodes
+  // that belong to another motion than the nearest one are left out.
+  bool predict(const Sheet& sheet, const Vector& place, Vector& point, double& cost) const {
+    const Vector asked = in_steps(place);
+    std::vector<Near> near = within_reach(sheet, asked);
+    if (near.empty()) return false;
+    const std::size_t modes = sheet.mode_count;
+    const Vector nearest = moved(sheet, near.front().node, offset(sheet, near.front().node, asked));
+    double total = 0;
+    for (Near& each : near) {
+      const Vector own = moved(sheet, each.node, offset(sheet, each.node, asked));
+      double apart = 0;
+      for (std::size_t mode = 0; mode < modes; ++mode) apart += (own[mode] - nearest[mode]) * (own[mode] - nearest[mode]);
+      if (std::sqrt(apart) > sheet.tear) each.weight = 0;
+      total += each.weight;
+    }
+    const Vector lean = mean_offset(sheet, near, asked, total);
+    Vector along(modes, 0.0);
+    double log = 0;
+    for (const Near& each : near) {
+      Vector halfway = offset(sheet, each.node, asked);
+      double own = sheet.log_costs[each.node];
+      for (std::size_t axis = 0; axis < axes_; ++axis) {
+        halfway[axis] = (halfway[axis] + lean[axis]) / 2;
+        own -= halfway[axis] * sheet.slopes[each.node * axes_ + axis];
+      }
+      const Vector coordinates = moved(sheet, each.node, halfway);
+      const double share = each.weight / total;
+      log += share * own;
+      for (std::size_t mode = 0; mode < modes; ++mode) along[mode] += share * coordinates[mode];
+    }
+    point.assign(sheet.mean.begin(), sheet.mean.end());
+    for (std::size_t mode = 0; mode < modes; ++mode) {
+      const float* direction = sheet.modes.data() + mode * point.size();
+      for (std::size_t i = 0; i < point.size(); ++i) point[i] += along[mode] * static_cast<double>(direction[i]);
+    }
+    cost = std::exp(std::clamp(log, -largest_log, largest_log));
+    return true;
+  }
+
+ private:
+  static constexpr double largest_log = 700.0;
+
+  struct Near {
+    std::size_t node;
+    double distance, weight;
+  };
+
+  Vector in_steps(const Vector& place) const {
+    Vector asked(place);
+    for (std::size_t axis = 0; axis < axes_; ++axis) asked[axis] /= atlas_.steps[axis];
+    return asked;
+  }
+
+  double weight(double distance) const {
+    const double closeness = (atlas_.reach - distance) / (atlas_.reach * std::max(distance, atlas_.nearest));
+    return closeness * closeness * closeness;
+  }
+
+  Vector offset(const Sheet& sheet, std::size_t node, const Vector& asked) const {
+    Vector away(axes_);
+    for (std::size_t axis = 0; axis < axes_; ++axis) away[axis] = sheet.places[node * axes_ + axis] - asked[axis];
+    return away;
+  }
+
+  // The weighted mean of the offsets: by how much the nodes' centre is off the place.
+  Vector mean_offset(const Sheet& sheet, const std::vector<Near>& near, const Vector& asked, double total) const {
+    Vector mean(axes_, 0.0);
+    for (const Near& each : near)
+      for (std::size_t axis = 0; axis < axes_; ++axis)
+        mean[axis] += each.weight * (sheet.places[each.node * axes_ + axis] - asked[axis]);
+    for (double& along : mean) along /= total;
+    return mean;
+  }
+
+  // The nodes within reach, the nearest first.
+  std::vector<Near> within_reach(const Sheet& sheet, const Vector& asked) const {
+    std::vector<Near> near;
+    for (std::size_t node = 0; node < sheet.nodes; ++node) {
+      double distance = 0;
+      for (std::size_t axis = 0; axis < axes_; ++axis)
+        distance = std::hypot(distance, sheet.places[node * axes_ + axis] - asked[axis]);
+      if (distance < atlas_.reach) near.push_back({node, distance, weight(distance)});
+    }
+    std::stable_sort(near.begin(), near.end(),
+                     [](const Near& one, const Near& other) { return one.distance < other.distance; });
+    return near;
+  }
+
+  // A node's coordinates, moved against an offset along its tangents.
+  Vector moved(const Sheet& sheet, std::size_t node, const Vector& away) const {
+    const std::size_t modes = sheet.mode_count;
+    Vector coordinates(modes);
+    for (std::size_t mode = 0; mode < modes; ++mode)
+      coordinates[mode] = static_cast<double>(sheet.coordinates[node * modes + mode]);
+    for (std::size_t axis = 0; axis < axes_; ++axis) {
+      const double* tangent = sheet.tangents.data() + (node * axes_ + axis) * modes;
+      for (std::size_t mode = 0; mode < modes; ++mode) coordinates[mode] -= away[axis] * tangent[mode];
+    }
+    return coordinates;
+  }
+
+  const Atlas& atlas_;
+  std::size_t axes_;
+};
+
+}  // namespace gaitflow
