@@ -20,7 +20,7 @@ from gaitflow.solvers.program import Program
 
 DUAL = 1e-8  # -d: keeps multipliers from running away where the rows of a periodic motion depend on each other
 PRIMAL = 1e-6  # added to H's diagonal: J1 does not see positions, and its H alone has no inverse
-CORRECTIONS = 4
+CORRECTIONS = 6
 
 Places = NDArray[np.intp]
 
