@@ -77,6 +77,8 @@ def stored_problem(folder: Path, described: Manifest, rows: int, trust_code: boo
     content = read_checked(folder, PROBLEM, described.files[PROBLEM])
     try:
         function = casadi.Function.deserialize(content.decode("ascii"))
+        takes = [function.size_in(i) for i in range(function.n_in())]
+        gives = [function.size_out(i) for i in range(function.n_out())]
     except (RuntimeError, ValueError) as error:
         reason = str(error).strip().splitlines()[-1][:200]
         raise ArtifactError(
@@ -84,8 +86,6 @@ def stored_problem(folder: Path, described: Manifest, rows: int, trust_code: boo
             "which `code` in manifest.json names"
         ) from None
     nw = described.layout.nw
-    takes = [function.size_in(i) for i in range(function.n_in())]
-    gives = [function.size_out(i) for i in range(function.n_out())]
     if takes != [(nw, 1), (len(ALWAYS), 1)] or gives != [(1, 1), (rows, 1)]:
         raise ArtifactError(
             f"{path}: the problem maps {takes} to {gives}; expected w [{nw}] and {', '.join(ALWAYS)} to cost [1] and "

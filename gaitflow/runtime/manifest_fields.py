@@ -57,7 +57,7 @@ def scenario(fields: Fields) -> Mapping[str, Any]:
         "transcription.phases": _is_count(transcription.get("phases"), 64),
         "transcription.knots_per_phase": _is_count(transcription.get("knots_per_phase"), 1000),
         "transcription.forces": transcription.get("forces") in ("held", "linear"),
-        "transcription.grading": is_number(transcription.get("grading")) and 0 <= transcription["grading"] <= 2,
+        "transcription.grading": is_number(transcription.get("grading")) and 0 <= transcription["grading"] <= 1,
         "tasks.axes": _are_axes(data["tasks"]["axes"]),
     }
     for name, holds in sound.items():

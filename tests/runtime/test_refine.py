@@ -4,15 +4,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tiny_map import TinyMap, task_of
 
 from gaitflow.core import check
-from gaitflow.publishing import Parts
+from gaitflow.core.task import Task
+from gaitflow.core.trajectory import Array
 from gaitflow.runtime import GaitMap
 from gaitflow.runtime.atlas import Atlas, Prediction
-from gaitflow.runtime.refine import NODES, QUICK, Attempt, Candidate, Refiner
+from gaitflow.runtime.refine import NODES, PREDICTED_LIMIT, Attempt, Candidate, Refiner
+from gaitflow.solvers.options import CONVERGED
 
 WALKING, GALLOP = 0, 1
-TASK = (1.27, 0.85)
+TASK = task_of(1.27, 0.85)
 
 
 @pytest.fixture
@@ -20,49 +23,50 @@ def refiner(pristine: Path) -> Refiner:
     return GaitMap.load(pristine)._refiner()
 
 
-def checked(parts: Parts, attempt: Attempt, speed: float, cycle: float) -> float:
-    return check.worst(parts.problem.scenario.as_data(), attempt.trajectory, speed, cycle, attempt.pattern)
+def checked(tiny: TinyMap, attempt: Attempt, task: Task) -> float:
+    return check.worst(tiny.problem.scenario.as_data(), attempt.trajectory, task, attempt.pattern)
 
 
-def lost_prediction(atlas: Atlas, sheet: int, speed: float, cycle_duration: float) -> Prediction:
+def lost_prediction(atlas: Atlas, sheet: int, place: Array) -> Prediction:
     return Prediction(1.0, np.full(atlas.sheets[sheet].space.size, 50.0))
 
 
 @pytest.mark.parametrize("gait", [WALKING, GALLOP])
-def test_all_ways_lead_to_one_optimum(refiner: Refiner, parts: Parts, gait: int) -> None:
-    task = (0.43, 0.7)
+def test_all_ways_lead_to_one_optimum(refiner: Refiner, tiny: TinyMap, gait: int) -> None:
+    task = task_of(0.43, 0.7)
     predicted, from_mean = Candidate(gait, gait), Candidate(gait, None)
-    attempts = [solve(each, *task) for each in (predicted, from_mean) for solve in (refiner.fast, refiner.fallback)]
+    attempts = [solve(each, task) for each in (predicted, from_mean) for solve in (refiner.fast, refiner.fallback)]
     assert [attempt.method for attempt in attempts] == ["fast", "fallback"] * 2
     for attempt in attempts:
-        assert attempt.refined and attempt.solver_status == "Solve_Succeeded"
-        assert attempt.violation == checked(parts, attempt, *task) <= 1e-6
+        assert attempt.refined and attempt.solver_status in CONVERGED
+        assert attempt.violation == checked(tiny, attempt, task) <= 1e-6
         assert attempt.cost == pytest.approx(attempts[0].cost, rel=1e-6)
-        assert attempt.pattern == parts.starts[gait].pattern
+        assert attempt.pattern == tiny.starts[gait].pattern
         assert attempt.predict_ms > 0 and attempt.refine_ms > 0
+    assert attempts[0].expected == pytest.approx(attempts[0].cost, rel=0.1) and np.isnan(attempts[2].expected)
     assert attempts[0].iterations < attempts[2].iterations, "a prediction is nearer than the mean"
 
 
 def test_nodes_nearby_help_where_the_prediction_misleads(
-    refiner: Refiner, parts: Parts, monkeypatch: pytest.MonkeyPatch
+    refiner: Refiner, tiny: TinyMap, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    good = refiner.fast(Candidate(GALLOP, 1), *TASK)
+    good = refiner.fast(Candidate(GALLOP, 1), TASK)
     monkeypatch.setattr(Atlas, "predict", lost_prediction)
-    attempt = refiner.fast(Candidate(GALLOP, 1), *TASK)
+    attempt = refiner.fast(Candidate(GALLOP, 1), TASK)
     assert attempt.refined and attempt.method == "fast"
-    assert checked(parts, attempt, *TASK) <= 1e-6
+    assert checked(tiny, attempt, TASK) <= 1e-6
     assert attempt.cost == pytest.approx(good.cost, rel=1e-6)
 
 
-def test_what_no_try_solves_is_told_as_it_is(refiner: Refiner, parts: Parts, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_no_try_solves_is_told_as_it_is(refiner: Refiner, tiny: TinyMap, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Atlas, "predict", lost_prediction)
-    wrong = [lost_prediction(parts.atlas, 1, *TASK)] * NODES
+    wrong = [lost_prediction(tiny.atlas, 1, TASK)] * NODES
     monkeypatch.setattr(Atlas, "nearest", lambda *arguments: wrong)
-    attempt = refiner.fast(Candidate(GALLOP, 1), *TASK)
+    attempt = refiner.fast(Candidate(GALLOP, 1), TASK)
     assert not attempt.refined and attempt.solver_status == "not converged"
-    assert not attempt.feasible and attempt.violation == checked(parts, attempt, *TASK)
-    rescued = refiner.fallback(Candidate(GALLOP, 1), *TASK)
-    assert rescued.refined and checked(parts, rescued, *TASK) <= 1e-6, "IPOPT starts at the mean of the region, too"
+    assert not attempt.feasible and attempt.violation == checked(tiny, attempt, TASK)
+    rescued = refiner.fallback(Candidate(GALLOP, 1), TASK)
+    assert rescued.refined and checked(tiny, rescued, TASK) <= 1e-6, "IPOPT starts at the mean of the region, too"
 
 
 def test_a_converged_motion_that_the_check_refuses_is_not_refined(
@@ -70,8 +74,8 @@ def test_a_converged_motion_that_the_check_refuses_is_not_refined(
 ) -> None:
     monkeypatch.setattr(check, "worst", lambda *arguments: 2e-6)
     for solve in (refiner.fast, refiner.fallback):
-        attempt = solve(Candidate(GALLOP, 1), *TASK)
-        assert attempt.solver_status == "Solve_Succeeded"
+        attempt = solve(Candidate(GALLOP, 1), TASK)
+        assert attempt.solver_status in CONVERGED
         assert not attempt.feasible and not attempt.refined
 
 
@@ -79,4 +83,4 @@ def test_a_gait_has_one_matrix_however_it_came_to_be_asked(refiner: Refiner) -> 
     first = refiner.method(Candidate(GALLOP, 1))
     assert refiner.method(Candidate(GALLOP, 1)) is first
     assert refiner.method(Candidate(GALLOP, None)) is not first
-    assert refiner.fast(Candidate(GALLOP, 1), *TASK).iterations <= QUICK
+    assert refiner.fast(Candidate(GALLOP, 1), TASK).iterations <= PREDICTED_LIMIT
