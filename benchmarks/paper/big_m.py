@@ -12,11 +12,12 @@ import numpy as np
 
 from gaitflow.core.check import FEASIBLE, worst
 from gaitflow.core.gaits import Pattern
+from gaitflow.core.task import Task
 from gaitflow.problem import GaitProblem
-from gaitflow.search.solution import Multipliers
 from gaitflow.solvers.fixed_gait import Attempt, Start
 from gaitflow.solvers.ipopt import call_solver, make_ipopt
 from gaitflow.solvers.options import CONVERGED, IPOPT
+from gaitflow.solvers.point import Multipliers
 
 # IPOPT's own default. The bounds form makes do with less, but a baseline should not fail for want of iterations.
 MAX_ITERATIONS = 3000
@@ -33,8 +34,8 @@ class BigMSolver:
             problem.minlp, IPOPT | {"max_iter": MAX_ITERATIONS, "max_cpu_time": time_limit}
         )
 
-    def solve(self, pattern: Pattern, speed: float, cycle_duration: float, start: Start) -> Attempt:
-        """One call from the start's w [nw]; v [m/s], T [s]. Multipliers are those of the big-M program.
+    def solve(self, pattern: Pattern, task: Task, start: Start) -> Attempt:
+        """One call from the start's w [nw]. Multipliers are those of the big-M program.
 
         Judged as every solve is: forces in swing and slip in stance, here rows that hold to constr_viol_tol (1e-9), may
         not exceed the check's 1e-6 either. A run that stops at IPOPT's acceptable level can, and has failed then.
@@ -49,7 +50,7 @@ class BigMSolver:
         bounds = self.problem.minlp_bounds(pattern)
         arguments = {
             "x0": np.concatenate([start.w, bounds.lower[layout.nw :]]),
-            "p": [speed, cycle_duration],
+            "p": task.parameters,
             "lbx": bounds.lower,
             "ubx": bounds.upper,
             "lbg": bounds.lower_rows,
@@ -59,12 +60,13 @@ class BigMSolver:
         status, iterations, result = call_solver(self._solver, arguments)
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
         w = result["x"][: layout.nw]
-        trajectory = layout.unpack(w, cycle_duration)
-        violation = worst(self._scenario, trajectory, speed, cycle_duration, pattern.text)
+        trajectory = layout.unpack(w, task.cycle_duration)
+        violation = worst(self._scenario, trajectory, task, pattern.text)
+        feasible = violation <= FEASIBLE and status in CONVERGED
         return Attempt(
             start=start.name,
-            feasible=violation <= FEASIBLE and status in CONVERGED,
-            gave_up=status not in CONVERGED and status != "Infeasible_Problem_Detected",
+            feasible=feasible,
+            gave_up=not feasible and status != "Infeasible_Problem_Detected",
             solver_status=status,
             cost=float(result["f"][0]) * self.problem.cost_scale,
             violation=violation,
@@ -74,4 +76,5 @@ class BigMSolver:
             w=w,
             trajectory=trajectory,
             multipliers=Multipliers(result["lam_x"], result["lam_g"]),
+            method="ipopt",
         )

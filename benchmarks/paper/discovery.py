@@ -20,6 +20,7 @@ from benchmarks.document import document
 from benchmarks.rows import Row, RowStore
 from benchmarks.search import search as measuring
 from benchmarks.search.search import BONMIN_LIMIT_S, bonmin, patterns, search
+from benchmarks.search.tasks import spread_tasks, task_key, task_values
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.task import Task
 from gaitflow.dataset.labels import relative_cost
@@ -48,11 +49,11 @@ def run(
     restarts: int = 15,
     seed: int = 0,
     runs: Path = Path("runs"),
-    map_cpu_s: Mapping[tuple[float, float], float] = MappingProxyType({}),
+    map_cpu_s: Mapping[Task, float] = MappingProxyType({}),
 ) -> Row:
     """The document: a row a task, with all of its restarts; rows measured before, kept below `runs`, are reused.
 
-    `map_cpu_s` says what grid tasks (v, T) took in a run of the whole map [s of solver calls]. Raises ValueError when
+    `map_cpu_s` says what grid tasks took in a run of the whole map [s of solver calls]. Raises ValueError when
     the grid has fewer tasks, or for less than 1 task or restart.
     """
     chosen = spread_tasks(scenario, tasks, seed)
@@ -64,50 +65,35 @@ def run(
         Child("benchmarks.search.search:Search", {"scenario": bonmin(scenario).as_data()}) as theirs,
     ):
         solve = {
-            "patterns": partial(_solve, ours, SEARCH_LIMIT_S),
-            "bonmin": partial(_solve, theirs, 3 * BONMIN_LIMIT_S),  # wall time: the machine may be busy
+            "patterns": partial(_solve, scenario, ours, SEARCH_LIMIT_S),
+            "bonmin": partial(_solve, scenario, theirs, 3 * BONMIN_LIMIT_S),  # wall time: the machine may be busy
         }
-        measured = store.rows(search_keys(chosen, restarts, seed), lambda key: solve[key["method"]](key))
-    rows = [compare(*found) for found in by_task(measured, chosen)]
-    for row in rows:
-        in_map = map_cpu_s.get((row["speed"], row["cycle_duration"]))
+        keys = search_keys(scenario, chosen, restarts, seed)
+        measured = store.rows(keys, lambda key: solve[key["method"]](key))
+    places = [task_key(scenario, task) for task in chosen]
+    rows: list[Row] = [place | compare(*found) for place, found in zip(places, by_task(measured, places), strict=True)]
+    for task, row in zip(chosen, rows, strict=True):
+        in_map = map_cpu_s.get(task)
         row["patterns"]["cpu_s_in_map"] = in_map
         row["cpu_ratio_in_map"] = row["bonmin"]["cpu_s"] / in_map if in_map else None
     return document("discovery", scenario.name, rows, summarise(rows, restarts), NOTES)
 
 
-def spread_tasks(scenario: Scenario, count: int, seed: int) -> tuple[Task, ...]:
-    """`count` different tasks of the grid: a random Latin hypercube, so that they spread over both axes.
-
-    Raises ValueError when the grid has fewer, or for a count below 1.
-    """
-    speeds, durations = scenario.tasks.speed.values, scenario.tasks.cycle_duration.values
-    if not 1 <= count <= len(speeds) * len(durations):
-        raise ValueError(f"tasks = {count}: {scenario.name} has a grid of {len(speeds) * len(durations)} to draw from")
-    rng = np.random.default_rng(seed)
-    drawn: dict[Task, None] = {}
-    while len(drawn) < count:
-        places = [(rng.permutation(count) + rng.random(count)) / count for _ in range(2)]
-        for at_speed, at_duration in zip(*places, strict=True):
-            drawn[Task(speeds[int(at_speed * len(speeds))], durations[int(at_duration * len(durations))])] = None
-    return tuple(list(drawn)[:count])
-
-
-def search_keys(tasks: Sequence[Task], restarts: int, seed: int) -> list[Row]:
+def search_keys(scenario: Scenario, tasks: Sequence[Task], restarts: int, seed: int) -> list[Row]:
     """Keys of all rows: each task by patterns, then by Bonmin from each seed."""
     keys: list[Row] = []
     for task in tasks:
-        where = {"speed": task.speed, "cycle_duration": task.cycle_duration}
+        where = task_key(scenario, task)
         keys.append({**where, "method": "patterns", "seed": None})
         keys += [{**where, "method": "bonmin", "seed": seed + number} for number in range(restarts)]
     return keys
 
 
-def by_task(measured: Sequence[Row], tasks: Sequence[Task]) -> list[tuple[Row, list[Row]]]:
-    """For each task the row of patterns and those of Bonmin's restarts."""
+def by_task(measured: Sequence[Row], tasks: Sequence[Mapping[str, float]]) -> list[tuple[Row, list[Row]]]:
+    """For each task, given by `task_key`, the row of patterns and those of Bonmin's restarts."""
     pairs = []
     for task in tasks:
-        here = [row for row in measured if (row["speed"], row["cycle_duration"]) == (task.speed, task.cycle_duration)]
+        here = [row for row in measured if task.items() <= row.items()]
         ours = next(row for row in here if row["method"] == "patterns")
         pairs.append((ours, [row for row in here if row["method"] == "bonmin"]))
     return pairs
@@ -121,8 +107,6 @@ def compare(ours: Row, restarts: Sequence[Row]) -> Row:
     cpu = sum(row["cpu_s"] for row in restarts)
     shown = ("gait", "pattern", "cost", "violation", "status")
     return {
-        "speed": ours["speed"],
-        "cycle_duration": ours["cycle_duration"],
         "patterns": {key: ours[key] for key in (*shown, "solves", "counts", "cpu_s", "whole_cpu_s", "measured")},
         "bonmin": {
             **{key: best[key] if best else None for key in shown},
@@ -172,5 +156,5 @@ def _only(row: Row, one: str, other: str) -> bool:
     return row[one]["cost"] is not None and row[other]["cost"] is None
 
 
-def _solve(child: Child, limit_s: float, key: Row) -> dict[str, Any]:
-    return search(child, key["speed"], key["cycle_duration"], key["seed"], limit_s)
+def _solve(scenario: Scenario, child: Child, limit_s: float, key: Row) -> dict[str, Any]:
+    return search(child, task_values(scenario, key), key["seed"], limit_s)

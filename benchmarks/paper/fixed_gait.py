@@ -9,17 +9,19 @@ bounds_mean_dual  what `GaitMap.plan` does: the same mean with its multipliers
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from benchmarks.paper.big_m import BigMSolver
+from benchmarks.search.tasks import task_of
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern
 from gaitflow.problem import transcribe
-from gaitflow.runtime import Choice, GaitMap
+from gaitflow.runtime import GaitMap
+from gaitflow.runtime.manifest import Gait
 from gaitflow.runtime.versions import resolve
 from gaitflow.search import starts
 from gaitflow.search.attempts import seed_of
@@ -31,57 +33,61 @@ METHODS = ("bigm_random", "bounds_random", "bounds_mean", "bounds_mean_dual")
 class FixedGait:
     """All methods on one artifact, their solvers built and called once before anything is timed.
 
-    `warm_up` is the task (v m/s, T s) of that first call. Made to be called in a child process.
+    `warm_up` is the task of that first call, its values by axis. Made to be called in a child process.
     """
 
-    def __init__(self, artifact: str, warm_up: Sequence[float]) -> None:
+    def __init__(self, artifact: str, warm_up: Mapping[str, float]) -> None:
         self._map = GaitMap.load(artifact)
         self._scenario = scenario_of(Path(artifact))
         self._build: dict[str, float] = {}
-        limit, (speed, cycle) = self._scenario.strategy.solve_time_limit, warm_up
+        limit = self._scenario.strategy.solve_time_limit
         start = time.perf_counter()
         self._big_m = BigMSolver(transcribe(self._scenario), limit)
-        self("bigm_random", speed, cycle, 0)
+        self("bigm_random", warm_up, 0)
         self._build["bigm_random"] = time.perf_counter() - start
         start = time.perf_counter()
         self._bounds = FixedGaitSolver(transcribe(self._scenario), limit)
-        self("bounds_random", speed, cycle, 0)
+        self("bounds_random", warm_up, 0)
         self._build["bounds_random"] = self._build["bounds_mean"] = time.perf_counter() - start
         start = time.perf_counter()
-        self("bounds_mean_dual", speed, cycle, 0)
+        self("bounds_mean_dual", warm_up, 0)
         self._build["bounds_mean_dual"] = time.perf_counter() - start
 
-    def __call__(self, method: str, speed: float, cycle_duration: float, seed: int) -> dict[str, Any]:
-        """One solver call at v [m/s], T [s]: what came out, its wall time [s], and build_s, the solver's first call."""
-        choice = self._map.select(speed, cycle_duration)
-        if method == "bounds_mean_dual":
-            result = self._plan(speed, cycle_duration)
-        else:
-            result = self._solve(method, choice, seed)
-        return {"gait": choice.gait, "pattern": choice.pattern, **result, "build_s": self._build.get(method)}
+    def __call__(self, method: str, task: Mapping[str, float], seed: int) -> dict[str, Any]:
+        """One solver call at a task: what came out, its wall time [s], and build_s, that of the solver's first call."""
+        gait = self._picked(task)
+        result = self._plan(task) if method == "bounds_mean_dual" else self._solve(method, gait, task, seed)
+        return {"gait": gait.name, "pattern": gait.pattern, **result, "build_s": self._build.get(method)}
 
-    def _solve(self, method: str, choice: Choice, seed: int) -> dict[str, Any]:
-        assert choice.pattern is not None and choice.gait is not None, "tasks are drawn inside the domain"
-        pattern, speed, cycle = Pattern.from_text(choice.pattern), choice.speed, choice.cycle_duration
+    def _picked(self, task: Mapping[str, float]) -> Gait:
+        """The classifier's pick, as in the paper; `plan` goes by predicted costs."""
+        asked: Any = dict(task)
+        name, _ = max(self._map.select(**asked).ranked, key=lambda each: each[1])
+        return next(gait for gait in self._map.gaits if gait.name == name)
+
+    def _solve(self, method: str, gait: Gait, values: Mapping[str, float], seed: int) -> dict[str, Any]:
+        task = task_of(self._scenario, values)
         if method == "bounds_mean":
-            start = Start("mean", np.array(self._map.mean_start(choice.gait, cycle).primal))
+            start = Start("mean", np.array(self._map.mean_start(gait.name, task.cycle_duration).primal))
         else:
-            rng = np.random.default_rng(seed_of("table1", seed, speed, cycle))
+            rng = np.random.default_rng(seed_of("table1", seed, *task.values))
             layout = self._big_m.problem.layout
-            start = Start(f"random-{seed}", starts.random(self._scenario.robot, layout, speed, cycle, rng))
+            start = Start(f"random-{seed}", starts.random(self._scenario.robot, layout, task, rng))
         solver = self._big_m if method == "bigm_random" else self._bounds
-        return _result(solver.solve(pattern, speed, cycle, start))
+        return _result(solver.solve(Pattern.from_text(gait.pattern), task, start))
 
-    def _plan(self, speed: float, cycle_duration: float) -> dict[str, Any]:
+    def _plan(self, task: Mapping[str, float]) -> dict[str, Any]:
+        asked: Any = dict(task)
         cpu = time.process_time()
-        plan = self._map.plan(speed, cycle_duration, top=1)
+        plan = self._map.plan(**asked, top=1)
         cpu = time.process_time() - cpu
+        solved = plan.path in ("fast", "fallback")
         return {
             "gait": plan.gait,
             "pattern": plan.pattern,
-            "status": "solved" if plan.path in ("fast", "fallback") else "failed",
+            "status": "solved" if solved else "failed",
             "solver_status": plan.tried[0][1],
-            "cost": plan.cost if plan.path in ("fast", "fallback") else None,
+            "cost": plan.cost if solved else None,
             "violation": plan.violation,
             "iterations": plan.iterations,
             "wall_s": plan.time_ms / 1e3,

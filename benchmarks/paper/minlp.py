@@ -17,12 +17,12 @@ from benchmarks import child
 from benchmarks.document import document
 from benchmarks.paper import table
 from benchmarks.paper.bonmin_log import BonminLog, read_log
-from benchmarks.paper.discovery import spread_tasks
-from benchmarks.paper.table import MINLP, judge, reaches, summarise, task_key
+from benchmarks.paper.table import MINLP, judge, reaches, summarise
 from benchmarks.rows import Row, RowStore
 from benchmarks.search import logged_search
 from benchmarks.search import search as searching
 from benchmarks.search.search import bonmin, ours, search
+from benchmarks.search.tasks import middle, spread_tasks, task_key, task_of, task_values
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern, gait_of
 from gaitflow.core.names import gait_name
@@ -41,6 +41,7 @@ BONMIN_SOURCES = (
     "solvers/ipopt.py",
     "search/starts.py",
     "core/check.py",
+    "core/rigid_body.py",
     "core/trajectory.py",
 )
 NOTES = (
@@ -77,18 +78,12 @@ def run(scenario: Scenario, tasks: int = 1, seed: int = 0, runs: Path = Path("ru
     return document("minlp", scenario.name, rows, _summary(rows), NOTES)
 
 
-def middle(scenario: Scenario) -> Task:
-    """The task in the middle of the grid."""
-    speeds, durations = scenario.tasks.speed.values, scenario.tasks.cycle_duration.values
-    return Task(speeds[len(speeds) // 2], durations[len(durations) // 2])
-
-
 def _bonmin_runs(scenario: Scenario, tasks: Sequence[Task], seed: int, runs: Path) -> list[Row]:
     package = Path(gaitflow.__file__).parent
     code = source_digest({str(path): path.read_text("utf-8") for each in BONMIN_SOURCES for path in package.glob(each)})
     solving = {"budget_s": BUDGET_S, "code": code, "casadi": version("casadi")}
     store = RowStore("minlp", scenario, runs, [searching, logged_search], solving=solving)
-    keys = [task_key(task) | {"method": MINLP, "seed": seed} for task in tasks]
+    keys = [task_key(scenario, task) | {"method": MINLP, "seed": seed} for task in tasks]
     with TemporaryDirectory() as folder:
         log = Path(folder) / "log"
         setup = {"scenario": bonmin(scenario, BUDGET_S).as_data(), "log": str(log)}
@@ -97,7 +92,7 @@ def _bonmin_runs(scenario: Scenario, tasks: Sequence[Task], seed: int, runs: Pat
             def measure(key: Row) -> Row:
                 log.unlink(missing_ok=True)
                 limit = HUNG * BUDGET_S + MARGIN_S
-                found = search(process, key["speed"], key["cycle_duration"], key["seed"], limit)
+                found = search(process, task_values(scenario, key), key["seed"], limit)
                 return found | {"log": log.read_text("utf-8", errors="replace") if log.exists() else ""}
 
             return store.rows(keys, measure)
@@ -107,9 +102,8 @@ def _named(row: Row, scenario: Scenario) -> Row:
     """The row with today's name of its gait: names may change while a run of an hour stays what it was."""
     if row["pattern"] is None:
         return row
-    robot = scenario.robot
-    gait = gait_of(Pattern.from_text(row["pattern"]), robot.mirror_permutation if robot.mirror else None)
-    return row | {"gait": gait_name(gait, robot.leg_names)}
+    gait = gait_of(Pattern.from_text(row["pattern"]), scenario.symmetry(task_of(scenario, row)))
+    return row | {"gait": gait_name(gait, scenario.robot.leg_names)}
 
 
 def _about_bonmin(scenario: Scenario, judged: Mapping[str, Any], log: BonminLog, cost_scale: float) -> Row:

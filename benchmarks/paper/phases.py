@@ -14,7 +14,7 @@ import pandas as pd
 from benchmarks.document import document
 from benchmarks.paper import stances
 from gaitflow.config.scenario import Scenario
-from gaitflow.store.units import PROBLEM_FIELDS
+from gaitflow.dataset.schema import task_columns
 
 CHANGED = ("transcription", "stances_per_leg")
 NOTES = (
@@ -44,9 +44,9 @@ def run(
     differ in nothing but stances and the transcription, where `more` has more phases and as many knots a cycle, or
     when they have no task in common.
     """
-    for field in PROBLEM_FIELDS:
-        if field not in CHANGED and getattr(scenario, field) != getattr(more, field):
-            raise ValueError(f"{more.name}: {field} differs from that of {scenario.name}; only phases and stances may")
+    for part in stances.differing_parts(scenario, more):
+        if part not in CHANGED:
+            raise ValueError(f"{more.name}: {part} differs from that of {scenario.name}; only phases and stances may")
     few, many = scenario.transcription, more.transcription
     if many.phases <= few.phases or many.phases * many.knots_per_phase != few.phases * few.knots_per_phase:
         raise ValueError(
@@ -61,7 +61,8 @@ def run(
 
 def beside(row: Mapping[str, Any], control: pd.DataFrame) -> dict[str, Any]:
     """The control's gait and cost at a row's task, and how the fall of the cost divides; None where it has no label."""
-    there = (control["speed"] == row["speed"]) & (control["cycle_duration"] == row["cycle_duration"])
+    axes = [column for column in task_columns(control.columns) if column != "split"]
+    there = (control[axes] == [row[axis] for axis in axes]).all(axis=1)
     found = control[there & (control["status"] == "solved")]
     if found.empty or row["cost"] is None or row["free_cost"] is None:
         return dict.fromkeys(("control_gait", "control_cost", "fall_by_limit", "fall_by_phases"))

@@ -5,7 +5,7 @@ Task by task in one process, so that what else the machine does meets all of the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +14,9 @@ from benchmarks.online import plan_times
 from benchmarks.online.plan_times import timed_plan, warm_up
 from benchmarks.paper import big_m, fixed_gait
 from benchmarks.paper.fixed_gait import FixedGait
-from benchmarks.paper.table import task_key
 from benchmarks.rows import Row, RowStore
 from benchmarks.search.search import LOST
+from benchmarks.search.tasks import task_key, task_values
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.task import Task
 from gaitflow.files import sha256_file
@@ -34,20 +34,20 @@ _MODULES = (fixed_gait, big_m, plan_times, atlas, gait_map, interior_point, kkt,
 class PlanAndFixedGait:
     """`plan` and the methods of `fixed_gait` on one artifact, all called before anything is timed."""
 
-    def __init__(self, artifact: str, warm_up_task: Sequence[float]) -> None:
+    def __init__(self, artifact: str, warm_up_task: Mapping[str, float]) -> None:
         self._fixed_gait = FixedGait(artifact, warm_up_task)
         self._map = GaitMap.load(artifact)
         warm_up(self._map)
 
-    def __call__(self, method: str, speed: float, cycle_duration: float, seed: int) -> dict[str, Any]:
-        """One call at v [m/s], T [s]: gait, pattern, status, cost (None unless solved), iterations, wall_s, cpu_s."""
+    def __call__(self, method: str, task: Mapping[str, float], seed: int) -> dict[str, Any]:
+        """One call at a task, its values by axis: what came out (no cost unless it is solved), and its times [s]."""
         if method == PLAN:
-            found = timed_plan(self._map, speed, cycle_duration)
+            found = timed_plan(self._map, task)
             solved = found["path"] != "failed"
             found |= {"status": "solved" if solved else "failed", "cost": found["cost"] if solved else None}
             found |= {"wall_s": found["wall_ms"] / 1e3, "cpu_s": found["cpu_ms"] / 1e3}
         else:
-            found = self._fixed_gait(method, speed, cycle_duration, seed)
+            found = self._fixed_gait(method, task, seed)
         return {key: found[key] for key in ("gait", "pattern", "status", "cost", "iterations", "wall_s", "cpu_s")}
 
 
@@ -57,13 +57,13 @@ def paper_way(
     """Of each task what the METHODS did, by name; a task that was measured before, kept below `runs`, is reused."""
     about = {"manifest": sha256_file(resolve(artifact) / "manifest.json")}
     limit = 10 * scenario.strategy.solve_time_limit  # wall time: the machine may be busy
-    setup = {"artifact": str(artifact), "warm_up_task": [warm_up_task.speed, warm_up_task.cycle_duration]}
-    keys = [task_key(task) | {"methods": list(METHODS), "seed": seed} for task in tasks]
+    setup = {"artifact": str(artifact), "warm_up_task": task_key(scenario, warm_up_task)}
+    keys = [task_key(scenario, task) | {"methods": list(METHODS), "seed": seed} for task in tasks]
     with child.Child("benchmarks.paper.random_start:PlanAndFixedGait", setup) as process:
 
         def measure(key: Row) -> Row:
-            task = {"speed": key["speed"], "cycle_duration": key["cycle_duration"], "seed": seed}
-            return {"calls": {method: _call(process, limit, {"method": method} | task) for method in METHODS}}
+            request = {"task": task_values(scenario, key), "seed": seed}
+            return {"calls": {method: _call(process, limit, {"method": method} | request) for method in METHODS}}
 
         rows = RowStore(bench, scenario, runs, _MODULES, about).rows(keys, measure)
     return [row["calls"] for row in rows]

@@ -13,12 +13,14 @@ import pandas as pd
 
 from benchmarks.document import document
 from benchmarks.rows import Row
+from benchmarks.search.tasks import task_of
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.check import violations
 from gaitflow.core.gaits import Pattern
 from gaitflow.core.names import gait_kind
-from gaitflow.dataset.labels import TASK, gait_costs
+from gaitflow.dataset.labels import gait_costs
 from gaitflow.dataset.read import Solutions
+from gaitflow.dataset.schema import task_columns
 from gaitflow.search.solution import Solution
 
 SHOWN = 12  # gaits of a task
@@ -33,18 +35,20 @@ NOTES = (
 def run(scenario: Scenario, solutions: Solutions) -> Row:
     """The document: a row a task and gait, cheapest first, at most SHOWN a task."""
     costs = gait_costs(solutions.frame(), scenario.robot.leg_names)
-    motions = {(row.speed, row.cycle_duration, row.pattern): row for row in solutions if row.trajectory is not None}
+    motions = {(row.task, row.pattern): row for row in solutions if row.trajectory is not None}
+    axes = scenario.tasks.space.columns
     rows: list[Row] = []
-    for _, task in costs.groupby(TASK, sort=False):
+    for _, task in costs.groupby(task_columns(costs.columns), sort=False):
         best = float(task["cost"].iloc[0])
-        for rank, gait in enumerate(task.head(SHOWN).to_dict("records"), start=1):
-            row = motions[gait["speed"], gait["cycle_duration"], gait["pattern"]]
+        for rank, found in enumerate(task.head(SHOWN).to_dict("records"), start=1):
+            gait = {str(key): value for key, value in found.items()}
+            row = motions[task_of(scenario, gait, gait["split"]), gait["pattern"]]
             rows.append(
-                {key: gait[key] for key in ("speed", "cycle_duration", "gait", "pattern", "cost")}
+                {key: gait[key] for key in (*axes, "gait", "pattern", "cost")}
                 | {"rank": rank, "margin_rel": float(gait["cost"]) / best - 1}
                 | asked(scenario, row)
             )
-    return document("ranking", scenario.name, rows, summarise(rows, scenario.robot.leg_names), NOTES)
+    return document("ranking", scenario.name, rows, summarise(rows, axes, scenario.robot.leg_names), NOTES)
 
 
 def asked(scenario: Scenario, row: Solution) -> Row:
@@ -52,22 +56,22 @@ def asked(scenario: Scenario, row: Solution) -> Row:
     trajectory = row.trajectory
     assert trajectory is not None
     contacts = np.array([[float(digit) for digit in leg] for leg in row.pattern.split("/")])
-    found = violations(scenario.as_data(), trajectory, row.speed, row.cycle_duration, row.pattern)
+    found = violations(scenario.as_data(), trajectory, row.task, row.pattern)
     return {
         "peak_force_share": float(trajectory.forces[..., -1].max()) / scenario.robot.max_force,
         "peak_speed_share": float(np.abs(trajectory.foot_velocities).max()) / scenario.robot.max_foot_speed,
-        "duty": (contacts @ trajectory.durations / row.cycle_duration).tolist(),
+        "duty": (contacts @ trajectory.durations / row.task.cycle_duration).tolist(),
         "violation": max(found.values()),
     }
 
 
-def summarise(rows: Sequence[Row], leg_names: Sequence[str]) -> dict[str, Any]:
-    """How many tasks, the kinds of gait that win, and the narrowest margin to another *kind* of gait."""
+def summarise(rows: Sequence[Row], axes: Sequence[str], leg_names: Sequence[str]) -> dict[str, Any]:
+    """How many tasks, by their axes, the kinds of gait that win, and the least margin to another *kind* of gait."""
     frame = pd.DataFrame(rows)
     kinds = [_kind(text, leg_names) for text in frame["pattern"]] if len(frame) else []
     frame = frame.assign(kind=kinds)
     winners, margins = [], []
-    for _, task in frame.groupby(["speed", "cycle_duration"], sort=False):
+    for _, task in frame.groupby(list(axes), sort=False):
         winners.append(task["kind"].iloc[0])
         others = task.loc[task["kind"] != winners[-1], "margin_rel"]
         margins.append(float(others.min()) if len(others) else None)

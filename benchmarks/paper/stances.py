@@ -17,7 +17,7 @@ from benchmarks.document import document
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern
 from gaitflow.dataset.labels import relative_cost
-from gaitflow.store.units import PROBLEM_FIELDS
+from gaitflow.dataset.schema import task_columns
 
 SAME_COST = 1e-6  # relative: the tolerance of a solve
 NOTES = (
@@ -35,9 +35,9 @@ def run(scenario: Scenario, free: Scenario, labels: pd.DataFrame, free_labels: p
     Raises ValueError unless the scenarios differ in nothing but `stances_per_leg`, which is 1 and null, or when they
     have other tasks than the labels.
     """
-    for field in PROBLEM_FIELDS:
-        if field != "stances_per_leg" and getattr(scenario, field) != getattr(free, field):
-            raise ValueError(f"{free.name}: {field} differs from that of {scenario.name}; only stances_per_leg may")
+    for part in differing_parts(scenario, free):
+        if part != "stances_per_leg":
+            raise ValueError(f"{free.name}: {part} differs from that of {scenario.name}; only stances_per_leg may")
     if (scenario.stances_per_leg, free.stances_per_leg) != (1, None):
         raise ValueError(
             f"stances_per_leg is {scenario.stances_per_leg} in {scenario.name} and {free.stances_per_leg} in "
@@ -47,17 +47,23 @@ def run(scenario: Scenario, free: Scenario, labels: pd.DataFrame, free_labels: p
     return document("stances", scenario.name, rows, summarise(rows), NOTES)
 
 
+def differing_parts(one: Scenario, other: Scenario) -> list[str]:
+    """The parts of two scenarios' problems that are not the same, fixed values of the tasks' axes among them."""
+    parts = one.problem_data | {"axes": [one.problem_data["axes"], one.tasks.space.fixed]}
+    others = other.problem_data | {"axes": [other.problem_data["axes"], other.tasks.space.fixed]}
+    return [part for part in parts if parts[part] != others[part]]
+
+
 def compare(labels: pd.DataFrame, free_labels: pd.DataFrame) -> list[dict[str, Any]]:
     """A row for each grid task that both frames have. Raises ValueError when there is none."""
-    one, free = (
-        frame[frame["split"] == "grid"].set_index(["speed", "cycle_duration"]) for frame in (labels, free_labels)
-    )
+    axes = [column for column in task_columns(labels.columns) if column != "split"]
+    one, free = (frame[frame["split"] == "grid"].set_index(axes) for frame in (labels, free_labels))
     common = [task for task in one.index if task in free.index]
     if not common:
         raise ValueError(
             f"the labels have {len(one)} and {len(free)} grid tasks and none in common; choose other grids"
         )
-    return [_row(task, one.loc[task], free.loc[task]) for task in common]
+    return [dict(zip(axes, task, strict=True)) | _row(one.loc[task], free.loc[task]) for task in common]
 
 
 def summarise(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
@@ -82,14 +88,12 @@ def summarise(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
     }
 
 
-def _row(task: tuple[float, float], one: Any, free: Any) -> dict[str, Any]:
+def _row(one: Any, free: Any) -> dict[str, Any]:
     cost, free_cost = (float(row["cost"]) if row["status"] == "solved" else None for row in (one, free))
     both = cost is not None and free_cost is not None
     fall = -float(relative_cost(np.asarray(free_cost), cost)) if cost is not None and free_cost is not None else None
     wins = Pattern.from_text(free["gait_key"]) if free_cost is not None else None
     return {
-        "speed": float(task[0]),
-        "cycle_duration": float(task[1]),
         "gait": str(one["gait"]) or None,
         "free_gait": str(free["gait"]) or None,
         "cost": cost,

@@ -18,6 +18,7 @@ from benchmarks.paper import big_m, fixed_gait
 from benchmarks.rows import Row, RowStore
 from benchmarks.search import search as searching
 from benchmarks.search.search import OURS, search
+from benchmarks.search.tasks import task_key, task_of, task_values
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.domain import Domain
 from gaitflow.core.gaits import Pattern, representative
@@ -62,41 +63,40 @@ def draw_tasks(scenario: Scenario, artifact: Path, tasks: int, seed: int) -> tup
         raise ValueError(
             f"{artifact}: was made for {made_for.name} with other settings than {scenario.name} has now; publish again"
         )
-    *chosen, warm_up = off_grid_tasks(GaitMap.load(artifact).manifest.domain, tasks + 1, seed)
+    domain = GaitMap.load(artifact).manifest.domain
+    *chosen, warm_up = (scenario.tasks.space.task(at, "held_out") for at in off_grid_places(domain, tasks + 1, seed))
     return chosen, warm_up
 
 
-def off_grid_tasks(domain: Domain, count: int, seed: int) -> tuple[Task, ...]:
-    """Random tasks inside a domain, uniform, in the order drawn. Raises ValueError when it has no inside."""
+def off_grid_places(domain: Domain, count: int, seed: int) -> tuple[dict[str, float], ...]:
+    """Random places inside a domain, their values by axis, uniform, in the order drawn.
+
+    None shares a value with the grid on an axis that has several. Raises ValueError when there is no such place.
+    """
     rng = np.random.default_rng(seed)
-    low = (domain.speeds[0], domain.cycle_durations[0])
-    high = (domain.speeds[-1], domain.cycle_durations[-1])
-    drawn: list[Task] = []
+    low, high = ([values[end] for values in domain.axes.values()] for end in (0, -1))
+    drawn: list[dict[str, float]] = []
     for _ in range(DRAWS_PER_TASK * count):
-        speed, duration = (round(float(x), 6) for x in rng.uniform(low, high))
-        on_line = speed in domain.speeds or duration in domain.cycle_durations
-        if not on_line and domain.contains(speed, duration):
-            drawn.append(Task(speed, duration, "held_out"))
+        values = (round(float(x), 6) for x in rng.uniform(low, high))
+        place = dict(zip(domain.axes, values, strict=True))
+        on_line = any(len(grid) > 1 and place[axis] in grid for axis, grid in domain.axes.items())
+        if not on_line and domain.contains(place):
+            drawn.append(place)
         if len(drawn) == count:
             return tuple(drawn)
     raise ValueError(
-        f"found {len(drawn)} of {count} tasks between {low} and {high} (speed, cycle duration) inside the map's "
+        f"found {len(drawn)} of {count} tasks between {low} and {high} ({', '.join(domain.axes)}) inside the map's "
         "domain: a domain without a whole grid cell has no tasks off its grid"
     )
 
 
 def references(bench: str, scenario: Scenario, searched: Scenario, tasks: Sequence[Task], runs: Path) -> list[Row]:
     """A row a task: searched by the strategy of `searched`, cold, each anew."""
-    keys = [task_key(task) | {"method": searched.strategy.name, "seed": None} for task in tasks]
+    keys = [task_key(scenario, task) | {"method": searched.strategy.name, "seed": None} for task in tasks]
     with child.Child("benchmarks.search.search:Search", {"scenario": searched.as_data()}) as process:
         return RowStore(bench, scenario, runs, [searching]).rows(
-            keys, lambda key: search(process, key["speed"], key["cycle_duration"], None, SEARCH_LIMIT_S)
+            keys, lambda key: search(process, task_values(scenario, key), None, SEARCH_LIMIT_S)
         )
-
-
-def task_key(task: Task) -> Row:
-    """The part of a row's key that says which task it is of."""
-    return {"speed": task.speed, "cycle_duration": task.cycle_duration}
 
 
 def fixed_gaits(
@@ -104,17 +104,18 @@ def fixed_gaits(
 ) -> list[Row]:
     """A row a task and method of `fixed_gait`."""
     keys: list[Row] = [
-        task_key(task) | {"method": method, "seed": seed} for task in tasks for method in fixed_gait.METHODS
+        task_key(scenario, task) | {"method": method, "seed": seed} for task in tasks for method in fixed_gait.METHODS
     ]
     about = {"manifest": sha256_file(resolve(artifact) / "manifest.json")}
     modules = [fixed_gait, big_m, atlas, gait_map, interior_point, kkt, plan, problem, refine, options]
     limit = 10 * scenario.strategy.solve_time_limit  # wall time: the machine may be busy
-    setup = {"artifact": str(artifact), "warm_up": [warm_up.speed, warm_up.cycle_duration]}
+    setup = {"artifact": str(artifact), "warm_up": task_key(scenario, warm_up)}
     with child.Child("benchmarks.paper.fixed_gait:FixedGait", setup) as planner:
 
         def measure(key: Row) -> Row:
             try:
-                return dict(planner.call(limit, **key))
+                call = {"method": key["method"], "task": task_values(scenario, key), "seed": key["seed"]}
+                return dict(planner.call(limit, **call))
             except child.Lost as lost:
                 nothing = dict.fromkeys(("gait", "pattern", "cost", "violation", "iterations", "build_s"))
                 return {
@@ -130,14 +131,13 @@ def judge(measured: Sequence[Row], scenario: Scenario) -> list[Row]:
 
     The rows of a search, one a task, are what the others of their task are compared with.
     """
-    robot = scenario.robot
-    mirror = robot.mirror_permutation if robot.mirror else None
-    searched = {_task(row): row for row in measured if row["method"] in OURS}
-    best_known = _best_known(measured, mirror)
+    searched = {task_of(scenario, row): row for row in measured if row["method"] in OURS}
+    best_known = _best_known(measured, scenario)
     rows = []
     for row in measured:
-        reference = searched[_task(row)]
-        own = best_known.get((*_task(row), _cyclic(row, mirror)))
+        task = task_of(scenario, row)
+        reference = searched[task]
+        own = best_known.get((task, _cyclic(row, scenario)))
         best, cost = reference["cost"], row["cost"]
         at_best, at_own = reaches(cost, best), reaches(cost, own)
         shown = {key: value for key, value in row.items() if key not in ("costs", "counts", "whole_wall_s", "log")}
@@ -186,22 +186,21 @@ def reaches(cost: float | None, best: float | None) -> bool:
     return cost is not None and best is not None and cost <= best * (1 + SAME_OPTIMUM)
 
 
-def _task(row: Mapping[str, Any]) -> tuple[float, float]:
-    return row["speed"], row["cycle_duration"]
+def _cyclic(row: Mapping[str, Any], scenario: Scenario) -> str | None:
+    if row["pattern"] is None:
+        return None
+    symmetry = scenario.symmetry(task_of(scenario, row))
+    return representative(Pattern.from_text(row["pattern"]), symmetry).text
 
 
-def _cyclic(row: Mapping[str, Any], mirror: Sequence[int] | None) -> str | None:
-    return None if row["pattern"] is None else representative(Pattern.from_text(row["pattern"]), mirror).text
-
-
-def _best_known(measured: Sequence[Row], mirror: Sequence[int] | None) -> dict[tuple[float, float, str | None], float]:
+def _best_known(measured: Sequence[Row], scenario: Scenario) -> dict[tuple[Task, str | None], float]:
     """The least cost of each task and pattern: the search's, else the others' where at least two found one."""
-    found: dict[tuple[float, float, str | None], list[float]] = defaultdict(list)
+    found: dict[tuple[Task, str | None], list[float]] = defaultdict(list)
     for row in measured:
         if row["method"] not in OURS and row["cost"] is not None:
-            found[*_task(row), _cyclic(row, mirror)].append(row["cost"])
+            found[task_of(scenario, row), _cyclic(row, scenario)].append(row["cost"])
     known = {key: min(costs) for key, costs in found.items() if len(costs) > 1}
     for row in measured:
         if row["method"] in OURS:
-            known |= {(*_task(row), pattern): cost for pattern, cost in row["costs"].items()}
+            known |= {(task_of(scenario, row), pattern): cost for pattern, cost in row["costs"].items()}
     return known

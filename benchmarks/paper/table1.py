@@ -11,10 +11,11 @@ from pathlib import Path
 from benchmarks import child
 from benchmarks.document import document
 from benchmarks.paper import fixed_gait, table
-from benchmarks.paper.table import MINLP, judge, summarise, task_key
+from benchmarks.paper.table import MINLP, judge, summarise
 from benchmarks.rows import Row, RowStore
 from benchmarks.search import search as searching
 from benchmarks.search.search import BONMIN_LIMIT_S, bonmin, patterns, search
+from benchmarks.search.tasks import task_key, task_values
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.task import Task
 
@@ -44,8 +45,8 @@ def run(
 
 
 def _bonmin_runs(scenario: Scenario, tasks: Sequence[Task], seeds: Sequence[int], runs: Path) -> list[Row]:
-    keys = [task_key(task) | {"method": MINLP, "seed": seed} for task in tasks for seed in seeds]
+    keys = [task_key(scenario, task) | {"method": MINLP, "seed": seed} for task in tasks for seed in seeds]
     with child.Child("benchmarks.search.search:Search", {"scenario": bonmin(scenario).as_data()}) as process:
         return RowStore("table1", scenario, runs, [searching]).rows(
-            keys, lambda key: search(process, key["speed"], key["cycle_duration"], key["seed"], 3 * BONMIN_LIMIT_S)
+            keys, lambda key: search(process, task_values(scenario, key), key["seed"], 3 * BONMIN_LIMIT_S)
         )

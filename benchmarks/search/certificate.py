@@ -14,12 +14,12 @@ from typing import Any
 import pandas as pd
 
 from benchmarks.document import document
-from benchmarks.paper.discovery import spread_tasks
 from benchmarks.rows import Row
+from benchmarks.search.tasks import spread_tasks, task_key, task_of
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.task import Task
 from gaitflow.dataset.labels import gait_costs
-from gaitflow.dataset.schema import SCALARS
+from gaitflow.dataset.schema import scalar_columns, solution_schema
 from gaitflow.execute.local import local_client
 from gaitflow.execute.progress import progress
 from gaitflow.execute.run import run_units
@@ -50,19 +50,20 @@ def run(scenario: Scenario, labels: pd.DataFrame, tasks: int = 6, seed: int = 0,
     `labels` are the scenario's. Raises ValueError when the grid has fewer tasks, or when no chosen one is labelled.
     """
     grid = labels[(labels["split"] == "grid") & (labels["status"] == "solved")]
-    known = {(row["speed"], row["cycle_duration"]): row for row in grid.to_dict("records")}
+    labelled = ({str(key): value for key, value in row.items()} for row in grid.to_dict("records"))
+    known = {task_of(scenario, row): row for row in labelled}
     # Of one draw the first few: more tasks keep those that were searched before.
     drawn = spread_tasks(scenario, min(max(tasks, DRAWN), len(grid)), seed)[:tasks]
-    chosen = [task for task in drawn if (task.speed, task.cycle_duration) in known]
+    chosen = [task for task in drawn if task in known]
     if not chosen:
         raise ValueError(f"{scenario.name}: none of the {tasks} chosen tasks has a label; choose more")
-    incumbents = {task: float(known[task.speed, task.cycle_duration]["cost"]) for task in chosen}
+    incumbents = {task: float(known[task]["cost"]) for task in chosen}
     units = plan_exhaustive(scenario, incumbents, PARTS)
     store = UnitStore(runs / "bench" / f"certificate-{scenario.name}")
     with progress(f"certificate {scenario.name}") as on_event:
         run_units(units, store, lambda: local_client(WORKERS), on_event)
     rows = [
-        compare(known[task.speed, task.cycle_duration], solves_of(store, units, task), scenario.robot.leg_names)
+        task_key(scenario, task) | compare(known[task], solves_of(store, units, task), scenario.robot.leg_names)
         for task in chosen
     ]
     return document("certificate", scenario.name, rows, summarise(rows), NOTES)
@@ -71,7 +72,8 @@ def run(scenario: Scenario, labels: pd.DataFrame, tasks: int = 6, seed: int = 0,
 def solves_of(store: UnitStore, units: Sequence[Unit], task: Task) -> pd.DataFrame:
     """The scalar columns of all stored rows of a task."""
     own = [unit for unit in units if unit.tasks == (task,)]
-    return pd.concat([store.read(unit, columns=list(SCALARS)).to_pandas() for unit in own], ignore_index=True)
+    columns = scalar_columns(solution_schema(own[0].scenario.as_data()).names)
+    return pd.concat([store.read(unit, columns=columns).to_pandas() for unit in own], ignore_index=True)
 
 
 def compare(label: Mapping[Any, Any], solves: pd.DataFrame, leg_names: Sequence[str]) -> Row:
@@ -86,8 +88,6 @@ def compare(label: Mapping[Any, Any], solves: pd.DataFrame, leg_names: Sequence[
     gap = None if best is None else float((label["cost"] - best["cost"]) / best["cost"])
     undecided = int(statuses.get("failed", 0))
     return {
-        "speed": float(label["speed"]),
-        "cycle_duration": float(label["cycle_duration"]),
         "label": {key: label[key] for key in ("gait", "pattern", "cost")},
         "exhaustive": {key: None if best is None else best[key] for key in ("gait", "pattern", "cost")},
         "gap_rel": gap,

@@ -24,7 +24,7 @@ class LoggedSearch:
         self._search = Search(scenario)
         self._log = Path(log).resolve()
 
-    def __call__(self, speed: float, cycle_duration: float, seed: int | None) -> dict[str, Any]:
+    def __call__(self, task: Mapping[str, float], seed: int | None) -> dict[str, Any]:
         """As `Search`; the log begins anew with every call."""
         with (
             TemporaryDirectory() as folder,
@@ -34,4 +34,4 @@ class LoggedSearch:
         ):
             options = "".join(f"bonmin.{name} {value}\n" for name, value in OPTIONS.items())
             Path(OPTIONS_FILE).write_text(options, encoding="utf-8")
-            return self._search(speed, cycle_duration, seed)
+            return self._search(task, seed)

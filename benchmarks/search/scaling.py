@@ -14,27 +14,26 @@ import numpy as np
 
 from benchmarks import child
 from benchmarks.document import document
-from benchmarks.paper.minlp import middle
 from benchmarks.rows import Row, RowStore
 from benchmarks.search.pattern_count import count_patterns
+from benchmarks.search.tasks import middle
 from gaitflow.config.scenario import Scenario, Transcription
 from gaitflow.core.gaits import Pattern
+from gaitflow.core.layout import Layout
 from gaitflow.problem import transcribe
-from gaitflow.core.layout import layout_of
 from gaitflow.search import starts
 from gaitflow.solvers.fixed_gait import FixedGaitSolver, Start
-from gaitflow.solvers.options import IPOPT
 
 SCENARIOS = ("half-cheetah-flat-vibration", "anymal-flat-vibration")
 SIZES = tuple(product((4, 6, 8), (5, 10, 20)))  # phases, knots per phase
 NOTES = (
     "A size is a scenario's problem with other phases and knots a phase, its shortest phase cut as there are more "
     "of them; the task is the middle of the grid. variables: of the program with a fixed gait. patterns: with one "
-    "stance a leg, up to where the cycle is cut and, where the robot has a mirror image, left and right; counted by "
+    "stance a leg, up to where the cycle is cut and to the symmetries of robot, ground and task; counted by "
     "Burnside's lemma. patterns_any_stances: without that restriction.",
     "cpu_s_median, cpu_s_p90, iterations_median: of one cold solve, from the nominal glide, of random patterns in "
-    "which every leg stands once and swings once, feasible or not, given up after "
-    f"{IPOPT['max_iter']} iterations. feasible: the share that our check confirms. "
+    "which every leg stands once and swings once, feasible or not: by the interior point, and where that comes to no "
+    "verdict by IPOPT. feasible: the share that our check confirms. "
     "cpu_s_per_solved: all CPU time over the feasible ones. exhaustive_cpu_h: patterns times the mean CPU time, [h].",
     "cpu_s_per_labelled_task: of the scenario's own map, at the size at which it was made, from `gaitflow bench map`; "
     "null elsewhere.",
@@ -52,11 +51,11 @@ class SizedSolves:
 
     def __call__(self, pattern: str) -> dict[str, Any]:
         """One solve from the nominal start, building excluded."""
-        speed, cycle = self._task.speed, self._task.cycle_duration
-        start = Start("nominal", starts.nominal(self._problem.scenario.robot, self._problem.layout, speed, cycle))
-        done = self._solver.solve(Pattern.from_text(pattern), speed, cycle, start)
+        start = Start("nominal", starts.nominal(self._problem.scenario.robot, self._problem.layout, self._task))
+        done = self._solver.solve(Pattern.from_text(pattern), self._task, start)
         return {
             "feasible": done.feasible,
+            "method": done.method,
             "solver_status": done.solver_status,
             "iterations": done.iterations,
             "cpu_s": done.cpu_s,
@@ -117,22 +116,22 @@ def _solve(sized: Scenario, patterns: Sequence[str], runs: Path) -> list[Row]:
             try:
                 return dict(process.call(limit, **key))
             except child.Lost as lost:
-                return {"feasible": False, "solver_status": str(lost), "iterations": 0, "cpu_s": lost.cpu_s}
+                nothing = {"feasible": False, "method": None, "iterations": 0}
+                return {**nothing, "solver_status": str(lost), "cpu_s": lost.cpu_s}
 
         store = RowStore("scaling", sized, runs, [sys.modules[__name__]])
         return store.rows([{"pattern": pattern} for pattern in patterns], measure)
 
 
 def _size(sized: Scenario, rows: Sequence[Row]) -> Row:
-    robot, phases = sized.robot, sized.transcription.phases
-    mirror = robot.mirror_permutation if robot.mirror else None
+    legs, phases, symmetry = len(sized.robot.legs), sized.transcription.phases, sized.symmetry(middle(sized))
     times = [row["cpu_s"] for row in rows]
     feasible = sum(row["feasible"] for row in rows)
-    patterns = count_patterns(len(robot.legs), phases, 1, mirror)
+    patterns = count_patterns(legs, phases, 1, symmetry)
     return {
-        "variables": layout_of(sized).nw,
+        "variables": Layout.of(sized.as_data()).nw,
         "patterns": patterns,
-        "patterns_any_stances": count_patterns(len(robot.legs), phases, None, mirror),
+        "patterns_any_stances": count_patterns(legs, phases, None, symmetry),
         "solves": len(rows),
         "feasible": feasible / len(rows),
         "iterations_median": statistics.median(row["iterations"] for row in rows),

@@ -9,10 +9,10 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from benchmarks.child import Child, Lost
+from benchmarks.search.tasks import task_of
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern, representative
 from gaitflow.core.names import gait_name
-from gaitflow.core.task import Task
 from gaitflow.search import Solution, solve_tasks
 
 LOST = "lost"  # status of a search whose process crashed or hung
@@ -26,10 +26,10 @@ class Search:
     def __init__(self, scenario: Mapping[str, Any]) -> None:
         self._scenario = Scenario.from_data(scenario, "the bench's scenario")
 
-    def __call__(self, speed: float, cycle_duration: float, seed: int | None) -> dict[str, Any]:
-        """The best motion found at v [m/s], T [s], as `summarise` puts it, and the CPU and wall time of the whole."""
+    def __call__(self, task: Mapping[str, float], seed: int | None) -> dict[str, Any]:
+        """The best motion found at a task, as `summarise` puts it, and the CPU and wall time of the whole."""
         wall, cpu = time.perf_counter(), time.process_time()
-        found = solve_tasks(self._scenario, [Task(speed, cycle_duration)], None if seed is None else [seed])
+        found = solve_tasks(self._scenario, [task_of(self._scenario, task)], None if seed is None else [seed])
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
         return summarise(self._scenario, found) | {"whole_cpu_s": cpu, "whole_wall_s": wall}
 
@@ -53,10 +53,10 @@ def _searched(scenario: Scenario, **changes: Any) -> Scenario:
     return scenario.model_copy(update={"strategy": scenario.strategy.model_copy(update=changes)})
 
 
-def search(child: Child, speed: float, cycle_duration: float, seed: int | None, limit_s: float) -> dict[str, Any]:
-    """One call of a child's `Search`; a lost child makes a row with the status LOST, never an exception."""
+def search(child: Child, task: Mapping[str, float], seed: int | None, limit_s: float) -> dict[str, Any]:
+    """One call of a child's `Search` at a task's values by axis; one that is lost makes a row with the status LOST."""
     try:
-        return dict(child.call(limit_s, speed=speed, cycle_duration=cycle_duration, seed=seed))
+        return dict(child.call(limit_s, task=task, seed=seed))
     except Lost as lost:
         return {
             "status": LOST, "solver_status": str(lost), "gait": None, "pattern": None, "cost": None, "violation": None,
@@ -72,16 +72,17 @@ def summarise(scenario: Scenario, found: Sequence[Solution]) -> dict[str, Any]:
     each solved pattern, its cycle cut as in `gaits.representative`. Without a solved one the gait and cost are None
     and status and solver_status tell of the only row, or "infeasible" when a whole search found nothing.
     """
-    robot = scenario.robot
-    mirror = robot.mirror_permutation if robot.mirror else None
     solved = sorted((row for row in found if row.status == "solved"), key=lambda row: (row.cost, row.pattern))
     best = solved[0] if solved else None
     told = best or (found[0] if len(found) == 1 else None)
-    costs = {representative(Pattern.from_text(row.pattern), mirror).text: row.cost for row in reversed(solved)}
+    costs = {
+        representative(Pattern.from_text(row.pattern), scenario.symmetry(row.task)).text: row.cost
+        for row in reversed(solved)
+    }
     return {
         "status": told.status if told else "infeasible",
         "solver_status": told.solver_status if told else "no pattern has a feasible motion",
-        "gait": gait_name(Pattern.from_text(best.gait), robot.leg_names) if best else None,
+        "gait": gait_name(Pattern.from_text(best.gait), scenario.robot.leg_names) if best else None,
         "pattern": best.pattern if best else None,
         "cost": best.cost if best else None,
         "violation": best.violation if best else None,

@@ -18,10 +18,9 @@ from gaitflow.core.names import gait_kind, gait_name
 from gaitflow.core.task import Task
 from gaitflow.dataset.neighbours import neighbourhood_labels
 from gaitflow.dataset.schema import task_columns
-from gaitflow.search.screen import NO_ROOM, NO_SUPPORT, NO_SWING
+from gaitflow.search.screen import IMPOSSIBLE
 
 MAX_VIOLATION = 1e-6  # worst scaled constraint violation of a solve that counts
-IMPOSSIBLE = (NO_SUPPORT, NO_SWING, NO_ROOM)  # why a pattern is screened that no motion can have
 COSTS = ["gait", "gait_key", "pattern", "cost", "refined_cost", "refined_knots", "excess"]
 LABELS = [
     "status", "gait", "gait_key", "pattern", "cost", "refined_cost", "margin", "runner_up", "ties", "cost_error",

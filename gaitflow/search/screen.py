@@ -41,6 +41,7 @@ NO_SWING = "a leg never leaves the ground"
 NO_ROOM = "stance travel and swing speed do not fit into the cycle"
 NO_STRENGTH = "stances are too short to carry the body"
 NO_GRIP = "friction cannot hold the body on this ground"
+IMPOSSIBLE = (NO_SUPPORT, NO_SWING, NO_ROOM, NO_STRENGTH, NO_GRIP)  # all that `why_impossible` may say
 ROUNDING = 1e-6  # relative, by which a limit has to be exceeded: what our check lets pass
 
 

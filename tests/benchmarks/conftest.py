@@ -36,7 +36,7 @@ def spatial(checkout: Path) -> Scenario:
     """ANYmal with 3 knots in each of 4 phases."""
     data = load_scenario(checkout / "tests/data/scenarios/anymal-flat-vibration.yaml").as_data()
     data["transcription"]["knots_per_phase"] = 3
-    data["tasks"]["cycle_duration"] = {"start": 0.6, "stop": 0.8, "count": 2}
+    data["tasks"]["axes"]["cycle_duration"] = {"start": 0.6, "stop": 0.8, "count": 2}
     return Scenario.from_data(data, "test")
 
 

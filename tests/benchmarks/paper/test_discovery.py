@@ -4,12 +4,12 @@ import json
 from pathlib import Path
 
 import pytest
+from tasks_at import at
 
 from benchmarks.paper import discovery
-from benchmarks.paper.discovery import by_task, compare, run, search_keys, spread_tasks, summarise
+from benchmarks.paper.discovery import by_task, compare, run, search_keys, summarise
 from benchmarks.search.search import LOST
 from gaitflow.config.scenario import Scenario
-from gaitflow.core.task import Task
 
 
 def row(method: str, cost: float | None, cpu: float, seed: int | None = None, **changes) -> dict:
@@ -89,32 +89,14 @@ def test_a_task_without_any_motion_or_that_bonmin_missed_is_not_compared() -> No
     assert summary["bonmin_restarts_failed"] == 2
 
 
-def test_tasks_are_on_the_grid_spread_over_it_and_repeatable(scenario: Scenario) -> None:
-    speeds, durations = scenario.tasks.speed.values, scenario.tasks.cycle_duration.values
-    for seed in range(5):
-        drawn = spread_tasks(scenario, 3, seed)
-        assert drawn == spread_tasks(scenario, 3, seed)
-        assert sorted(speeds.index(task.speed) // 2 for task in drawn) == [0, 1, 2], "one in each third of the speeds"
-        assert len({task.cycle_duration for task in drawn}) >= 2
-        assert all(task.cycle_duration in durations for task in drawn)
-    assert len({spread_tasks(scenario, 3, seed) for seed in range(5)}) > 1
-    assert len(set(spread_tasks(scenario, 24, 0))) == 24
-
-
-@pytest.mark.parametrize("count", [0, 25])
-def test_more_tasks_than_the_grid_has_are_refused(scenario: Scenario, count: int) -> None:
-    with pytest.raises(ValueError, match=f"tasks = {count}: quickstart has a grid of 24"):
-        spread_tasks(scenario, count, 0)
-
-
-def test_every_task_has_its_rows_whatever_their_order() -> None:
-    tasks = [Task(1.0, 0.6), Task(0.5, 0.6)]
-    keys = search_keys(tasks, 2, 7)
+def test_every_task_has_its_rows_whatever_their_order(scenario: Scenario) -> None:
+    tasks = [at(1.0, 0.6), at(0.5, 0.6)]
+    keys = search_keys(scenario, tasks, 2, 7)
     assert [(key["speed"], key["method"], key["seed"]) for key in keys] == [
         (1.0, "patterns", None), (1.0, "bonmin", 7), (1.0, "bonmin", 8),
         (0.5, "patterns", None), (0.5, "bonmin", 7), (0.5, "bonmin", 8),
     ]  # fmt: skip
-    pairs = by_task(keys[::-1], tasks)
+    pairs = by_task(keys[::-1], [{"speed": task.speed, "cycle_duration": 0.6} for task in tasks])
     assert [ours["speed"] for ours, _ in pairs] == [1.0, 0.5]
     assert [{restart["seed"] for restart in restarts} for _, restarts in pairs] == [{7, 8}, {7, 8}]
 
@@ -136,7 +118,7 @@ class Planted:
     def call(self, limit_s: float, **request) -> dict:
         Planted.calls += 1
         cost = 100.0 if self._name == "patterns" else 110.0 + request["seed"]
-        return {key: value for key, value in row(self._name, cost, 4.0).items() if key not in request}
+        return {key: value for key, value in row(self._name, cost, 4.0).items() if key not in request | request["task"]}
 
 
 def test_a_second_run_solves_nothing_and_more_restarts_only_the_new(scenario: Scenario, tmp_path, monkeypatch) -> None:

@@ -7,21 +7,21 @@ import pytest
 from benchmarks.paper.fixed_gait import METHODS, FixedGait, scenario_of
 from gaitflow.runtime import GaitMap
 
-TASK = (1.25, 0.55)
+TASK = {"speed": 1.25, "cycle_duration": 0.55}
 
 
 @pytest.fixture(scope="module")
 def fixed_gait(pristine: Path) -> FixedGait:
-    return FixedGait(str(pristine), (1.1, 0.7))
+    return FixedGait(str(pristine), {"speed": 1.1, "cycle_duration": 0.7})
 
 
 @pytest.fixture(scope="module")
 def results(fixed_gait: FixedGait) -> dict[str, dict]:
-    return {method: fixed_gait(method, *TASK, 0) for method in METHODS}
+    return {method: fixed_gait(method, TASK, 0) for method in METHODS}
 
 
 def test_all_methods_take_the_gait_that_the_map_picks(results: dict[str, dict], pristine: Path) -> None:
-    choice = GaitMap.load(pristine).select(*TASK)
+    choice = GaitMap.load(pristine).select(**TASK)
     assert choice.gait == "gallop"
     for result in results.values():
         assert (result["gait"], result["pattern"]) == (choice.gait, choice.pattern)
@@ -39,7 +39,7 @@ def test_each_is_judged_by_our_check_and_timed(results: dict[str, dict]) -> None
 
 
 def test_the_dual_start_is_what_plan_does(results: dict[str, dict], pristine: Path) -> None:
-    plan = GaitMap.load(pristine).plan(*TASK)
+    plan = GaitMap.load(pristine).plan(**TASK)
     assert (plan.cost, plan.iterations) == (
         results["bounds_mean_dual"]["cost"],
         results["bounds_mean_dual"]["iterations"],
@@ -47,8 +47,8 @@ def test_the_dual_start_is_what_plan_does(results: dict[str, dict], pristine: Pa
 
 
 def test_random_starts_follow_the_seed(fixed_gait: FixedGait, results: dict[str, dict]) -> None:
-    again = fixed_gait("bounds_random", *TASK, 0)
-    other = fixed_gait("bounds_random", *TASK, 2)
+    again = fixed_gait("bounds_random", TASK, 0)
+    other = fixed_gait("bounds_random", TASK, 2)
     assert (again["iterations"], again["cost"]) == (
         results["bounds_random"]["iterations"],
         results["bounds_random"]["cost"],

@@ -7,10 +7,9 @@ from typing import Any
 import pytest
 
 from benchmarks.paper import minlp
-from benchmarks.paper.minlp import middle, run
+from benchmarks.paper.minlp import run
 from benchmarks.search.search import LOST
 from gaitflow.config.scenario import Scenario
-from gaitflow.core.task import Task
 
 
 def short(scenario: Scenario, **strategy: Any) -> Scenario:
@@ -21,11 +20,6 @@ def short(scenario: Scenario, **strategy: Any) -> Scenario:
             "strategy": scenario.strategy.model_copy(update=strategy),
         }
     )
-
-
-def test_one_task_is_the_middle_of_the_grid(scenario: Scenario, spatial: Scenario) -> None:
-    assert middle(spatial) == Task(0.7, 0.8)
-    assert middle(scenario).speed == scenario.tasks.speed.values[3]
 
 
 def test_a_whole_run_beside_the_search(scenario: Scenario, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,11 +8,11 @@ import pytest
 
 from benchmarks.paper import phases
 from gaitflow.config.scenario import Scenario, load_scenario
-from gaitflow.core.gaits import Pattern, gait_of
+from gaitflow.core.gaits import Pattern, Symmetry, gait_of
 from gaitflow.core.names import gait_name
 
 TROT, CRAWL = "0011/1100/1100/0011", "01111111/11011111/11110111/11111101"
-LEGS, MIRROR = ("LF", "RF", "LH", "RH"), (1, 0, 3, 2)
+LEGS, MIRROR = ("LF", "RF", "LH", "RH"), Symmetry(mirror=(1, 0, 3, 2))
 
 
 @pytest.fixture

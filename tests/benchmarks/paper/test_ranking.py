@@ -1,15 +1,15 @@
 from __future__ import annotations
 
 import pytest
+from tasks_at import at
 
 from benchmarks.paper import ranking
 from gaitflow.config.scenario import Scenario, Strategy
-from gaitflow.core.task import Task
 from gaitflow.dataset.read import Solutions
-from gaitflow.dataset.schema import Sizes, solutions_to_table
+from gaitflow.dataset.schema import solutions_to_table
 from gaitflow.search import Solution, solve_tasks
 
-TASK = Task(0.4, 0.6)
+TASK = at(0.4, 0.6)
 TROT, CRAWL = "0111/1101/1101/0111", "0111/1101/1110/1011"
 
 
@@ -21,7 +21,9 @@ def found(spatial: Scenario) -> list[Solution]:
 
 
 def ranked(scenario: Scenario, rows: list[Solution]) -> dict:
-    return ranking.run(scenario, Solutions(solutions_to_table(rows, Sizes.of(scenario)), {}))
+    return ranking.run(
+        scenario, Solutions(solutions_to_table(rows, scenario.as_data()), {"scenario": scenario.as_data()})
+    )
 
 
 def test_gaits_come_by_cost_with_what_they_ask(spatial: Scenario, found: list[Solution]) -> None:

@@ -3,9 +3,10 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from benchmarks.paper.table import draw_tasks, judge, off_grid_tasks, summarise
+from benchmarks.paper.table import draw_tasks, judge, off_grid_places, summarise
 from benchmarks.paper.table1 import METHODS
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.domain import Domain
@@ -86,23 +87,33 @@ def test_summary_counts_failures_and_their_time(scenario: Scenario) -> None:
     assert summary["patterns"]["time_mean_s"] == 5.0, "all of the search, not its solver calls alone"
 
 
-def test_tasks_lie_in_the_domain_and_off_its_grid() -> None:
-    domain = Domain((0.1, 0.5, 0.9), (0.4, 0.8), ((True, True), (True, True), (False, True)))
-    drawn = off_grid_tasks(domain, 20, 0)
-    assert drawn == off_grid_tasks(domain, 20, 0)
-    assert drawn[:5] == off_grid_tasks(domain, 5, 0), "more tasks keep those drawn before"
-    assert len(set(drawn)) == 20
-    for task in drawn:
-        assert domain.contains(task.speed, task.cycle_duration)
-        assert task.speed < 0.5
-        assert task.speed not in domain.speeds
-    assert off_grid_tasks(domain, 5, 1) != drawn[:5]
+def _domain(feasible: list[list[bool]]) -> Domain:
+    axes = {"speed": (0.1, 0.5, 0.9)[: len(feasible)], "cycle_duration": (0.4, 0.8)}
+    return Domain(axes, np.array(feasible))
+
+
+def test_places_lie_in_the_domain_and_off_its_grid() -> None:
+    domain = _domain([[True, True], [True, True], [False, True]])
+    drawn = off_grid_places(domain, 20, 0)
+    assert drawn == off_grid_places(domain, 20, 0)
+    assert drawn[:5] == off_grid_places(domain, 5, 0), "more tasks keep those drawn before"
+    assert len({tuple(place.values()) for place in drawn}) == 20
+    for place in drawn:
+        assert domain.contains(place)
+        assert place["speed"] < 0.5
+        assert place["speed"] not in domain.axes["speed"]
+    assert off_grid_places(domain, 5, 1) != drawn[:5]
+
+
+def test_an_axis_of_one_value_has_no_other() -> None:
+    domain = Domain({"speed": (0.1, 0.9), "cycle_duration": (0.4,)}, np.ones((2, 1), dtype=bool))
+    drawn = off_grid_places(domain, 3, 0)
+    assert {place["cycle_duration"] for place in drawn} == {0.4}
 
 
 def test_a_domain_without_inside_is_refused() -> None:
-    domain = Domain((0.1, 0.5), (0.4, 0.8), ((True, False), (False, True)))
     with pytest.raises(ValueError, match="found 0 of 3 tasks"):
-        off_grid_tasks(domain, 3, 0)
+        off_grid_places(_domain([[True, False], [False, True]]), 3, 0)
 
 
 def test_an_artifact_of_another_problem_is_refused(scenario: Scenario, pristine: Path) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tasks_at import at
 from tiny_map import Solved, linear_classifier
 
 from benchmarks.paper import minlp
@@ -72,12 +73,12 @@ def quadruped(spatial: Scenario, parts: Parts, tmp_path_factory: pytest.TempPath
     starts = []
     walk, trot = "0111/1101/1110/1011", "0011/1100/1100/0011"
     for text, speed, cycle in ((walk, 0.3, 0.8), (trot, 0.6, 0.7)):
-        glide = Start("nominal", nominal(spatial.robot, problem.layout, speed, cycle))
-        done = solver.solve(Pattern.from_text(text), speed, cycle, glide)
+        glide = Start("nominal", nominal(spatial.robot, problem.layout, at(speed, cycle)))
+        done = solver.solve(Pattern.from_text(text), at(speed, cycle), glide)
         assert done.feasible
-        name = gait_name(gait_of(Pattern.from_text(text), spatial.robot.mirror_permutation), spatial.robot.leg_names)
+        name = gait_name(gait_of(Pattern.from_text(text), spatial.symmetry(at(speed, cycle))), spatial.robot.leg_names)
         starts.append(Solved(name, text, done.w, done.multipliers.bounds, done.multipliers.rows))
-    feasible = np.ones((spatial.tasks.speed.count, spatial.tasks.cycle_duration.count), dtype=bool)
+    feasible = np.ones([each.count for each in spatial.tasks.ranges.values()], dtype=bool)
     classifier = linear_classifier([-5.0, 5.0], [2.5, -2.5])
     changed = {"problem": problem, "starts": starts, "classes": [start.gait for start in starts], "feasible": feasible}
     changed["atlas"] = Atlas.empty()

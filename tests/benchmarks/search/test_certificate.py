@@ -4,14 +4,14 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from tasks_at import at
 
 from benchmarks.search import certificate
 from benchmarks.search.certificate import compare, summarise
 from gaitflow.config.scenario import Scenario
 from gaitflow.config.tasks import tasks_of
-from gaitflow.core.task import Task
 from gaitflow.dataset.labels import gait_costs, label_tasks
-from gaitflow.dataset.schema import SCALARS
+from gaitflow.dataset.schema import scalar_columns, solutions_to_table
 from gaitflow.search import solve_tasks
 from gaitflow.store.units import plan_exhaustive
 
@@ -26,6 +26,7 @@ def solves(**statuses: int) -> pd.DataFrame:
         rows += [(f"{number}/{index}", status, reason, float("nan")) for index in range(count)]
     frame = pd.DataFrame(rows, columns=["pattern", "status", "solver_status", "cost"])
     gait = frame["pattern"].where(frame["status"] == "solved", "01/10")
+    frame = frame.assign(refined_cost=float("nan"), refined_knots=0)
     return frame.assign(gait=gait, speed=1.0, cycle_duration=0.6, split="grid", violation=1e-9, solves=1, cpu_s=0.5)
 
 
@@ -47,7 +48,7 @@ def test_a_cheaper_motion_or_an_undecided_pattern_does_not() -> None:
 
 
 def test_parts_together_are_the_whole_search(scenario: Scenario) -> None:
-    task = Task(0.9, 0.6)
+    task = at(0.9, 0.6)
     units = plan_exhaustive(scenario, {task: 1e9}, 3)
     assert len({unit.digest for unit in units}) == 3
     parts = [row.pattern for unit in units for row in solve_tasks(unit.scenario, unit.tasks, unit.seeds)]
@@ -61,8 +62,9 @@ def test_a_guided_map_is_certified_and_found_again(scenario: Scenario, tmp_path:
     guided = scenario.model_copy(update={"strategy": scenario.strategy.model_copy(update={"name": "guided"})})
     tasks = [task for task in tasks_of(guided) if task.split == "grid"]
     found = [row for task in tasks for row in solve_tasks(guided, [task])]
-    frame = pd.DataFrame([{name: getattr(row, name) for name in SCALARS} for row in found])
-    labels = label_tasks(gait_costs(frame, guided.robot.leg_names), tasks, 1e-3)
+    table = solutions_to_table(found, guided.as_data())
+    frame = table.select(scalar_columns(table.column_names)).to_pandas()
+    labels = label_tasks(gait_costs(frame, guided.robot.leg_names), tasks, 1e-3, 3)
     done = certificate.run(guided, labels, tasks=2, runs=tmp_path)
     assert done["summary"]["tasks"] == 2
     assert [row["certified"] for row in done["rows"]] == [row["undecided"] == 0 for row in done["rows"]]

@@ -8,7 +8,7 @@ import pytest
 from benchmarks.search.scaling import random_patterns, resized, run
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern, can_move
-from gaitflow.core.layout import layout_of
+from gaitflow.core.layout import Layout
 
 
 def test_random_patterns_can_move_on_one_stance_a_leg() -> None:
@@ -25,7 +25,7 @@ def test_random_patterns_can_move_on_one_stance_a_leg() -> None:
 def test_other_sizes_are_the_same_problem_with_room_for_their_phases(spatial: Scenario) -> None:
     eight = resized(spatial, 8, 5)
     assert eight.transcription.min_phase_fraction == pytest.approx(0.1)
-    assert layout_of(eight).nw == 41 * 24 + 40 * 24 + 8
+    assert Layout.of(eight.as_data()).nw == 41 * 24 + 40 * 24 + 8
     assert Scenario.from_data(eight.as_data(), "test") == eight
     assert resized(spatial, 4, 3) == spatial
 
@@ -37,12 +37,12 @@ def test_a_table_of_two_robots(scenario: Scenario, spatial: Scenario, tmp_path: 
         f"{legs} legs, {phases} phases, {knots} knots" for legs in (2, 4) for phases, knots in sizes
     ]
     planar, larger = done["summary"]["2 legs, 4 phases, 3 knots"], done["summary"]["4 legs, 4 phases, 3 knots"]
-    assert (planar["variables"], larger["variables"]) == (13 * 10 + 12 * 8 + 4, 13 * 24 + 12 * 24 + 4)
-    assert (planar["patterns"], planar["patterns_any_stances"]) == (36, 70)
+    assert (planar["variables"], larger["variables"]) == (13 * 10 + 12 * 8 + 4 * 4 + 4, 13 * 24 + 12 * 24 + 4)
+    assert (planar["patterns"], planar["patterns_any_stances"]) == (24, 43), "time may run backwards"
     assert (larger["patterns"], larger["patterns_any_stances"]) == (2628, 8296)
     for told in done["summary"].values():
         assert 0 < told["cpu_s_median"] <= told["cpu_s_p90"]
-        assert 0 < told["iterations_median"] <= 110
+        assert 0 < told["iterations_median"] <= 300
         assert told["solves"] == 3
     rows = [row for row in done["rows"] if (row["legs"], row["phases"]) == (4, 4)]
     solved = sum(row["feasible"] for row in rows)
