@@ -1,4 +1,4 @@
-"""The small real map, exported: as it is, and with a perceptron and an atlas that has more to choose from."""
+"""The small real map, exported: as it is, with a perceptron and an atlas that has more to choose from, over slopes."""
 
 from __future__ import annotations
 
@@ -9,20 +9,24 @@ from pathlib import Path
 import numpy as np
 import pytest
 from onnx import TensorProto, helper, numpy_helper
-from tiny_map import artifact, parts, pristine
+from tiny_map import TinyMap, artifact, pristine, scenario_of, solved_start, tiny, write_map
 
+from gaitflow.config.scenario import Range, Scenario
+from gaitflow.core.domain import Domain
+from gaitflow.core.gaits import Pattern
 from gaitflow.export import Exported, export_c
-from gaitflow.publishing import Parts, publish
+from gaitflow.problem import GaitProblem, transcribe
 from gaitflow.runtime.atlas import Atlas, Sheet
+from gaitflow.solvers.point import GaitSpace
 
-__all__ = ["artifact", "parts", "pristine"]
+__all__ = ["artifact", "pristine", "tiny"]
 
 
-def perceptron(classes: int, temperature: float = 0.7) -> bytes:
-    """Random layers of 2, 30, 20 and `classes` as ONNX, the way the published ones are."""
+def perceptron(classes: int, axes: int = 2, temperature: float = 0.7) -> bytes:
+    """Random layers of `axes`, 30, 20 and `classes` as ONNX, the way the published ones are."""
     random = np.random.default_rng(1)
     nodes, weights, value = [], [], "task"
-    sizes = [2, 30, 20, classes]
+    sizes = [axes, 30, 20, classes]
     for i, (inputs, outputs) in enumerate(pairwise(sizes)):
         numbers = {f"weight_{i}": random.normal(0, 1.5, (outputs, inputs)), f"bias_{i}": random.normal(0, 1, outputs)}
         weights += [numpy_helper.from_array(each.astype(np.float32), name) for name, each in numbers.items()]
@@ -34,7 +38,7 @@ def perceptron(classes: int, temperature: float = 0.7) -> bytes:
     weights.append(numpy_helper.from_array(np.array([temperature], dtype=np.float32), "temperature"))
     nodes.append(helper.make_node("Div", [value, "temperature"], ["calibrated"]))
     nodes.append(helper.make_node("Softmax", ["calibrated"], ["probability"], axis=1))
-    task = helper.make_tensor_value_info("task", TensorProto.FLOAT, [None, 2])
+    task = helper.make_tensor_value_info("task", TensorProto.FLOAT, [None, axes])
     probability = helper.make_tensor_value_info("probability", TensorProto.FLOAT, [None, classes])
     graph = helper.make_graph(nodes, "perceptron", [task], [probability], weights)
     model = helper.make_model(graph, opset_imports=[helper.make_opsetid("", 15)], ir_version=8)
@@ -44,17 +48,72 @@ def perceptron(classes: int, temperature: float = 0.7) -> bytes:
 def crowded(atlas: Atlas) -> Atlas:
     """Sheets with holes and tears, and two more of the first gait: one cheaper at some tasks, one of few nodes."""
     random = np.random.default_rng(1)
-    own = [thinned(sheet, random.random(len(sheet.places)) < 0.8) for sheet in atlas.sheets]
+    own = [thinned(sheet, random.random(len(sheet.tasks)) < 0.8) for sheet in atlas.sheets]
     first = atlas.sheets[0]
     other = replace(first, costs=first.costs * random.uniform(0.8, 1.2, len(first.costs)), mean=first.mean * 0.99)
-    few = replace(thinned(first, random.random(len(first.places)) < 0.2), mean=first.mean * 1.01)
+    few = replace(thinned(first, random.random(len(first.tasks)) < 0.3), mean=first.mean * 1.01)
     return replace(atlas, sheets=(*own, other, replace(few, costs=few.costs * 0.5)))
 
 
 def thinned(sheet: Sheet, kept: np.ndarray) -> Sheet:
-    own = {"places": sheet.places[kept], "costs": sheet.costs[kept], "coordinates": sheet.coordinates[kept]}
+    names = ("tasks", "costs", "slopes", "coordinates", "tangents")
     spread = np.linalg.norm(np.diff(sheet.coordinates[kept], axis=0), axis=1)
-    return replace(sheet, **own, tear=float(np.quantile(spread, 0.3)))
+    return replace(sheet, **{name: getattr(sheet, name)[kept] for name in names}, tear=float(np.median(spread)))
+
+
+def sloped_scenario() -> Scenario:
+    """Speed, cycle duration and slope; linear forces on graded knots."""
+    data = scenario_of(slope=Range(start=-10.0, stop=10.0, count=3)).as_data()
+    data["transcription"] |= {"integrator": "momentum", "forces": "linear", "grading": 0.7, "knots_per_phase": 3}
+    return Scenario.from_data(data, "sloped")
+
+
+def scattered_sheet(problem: GaitProblem, pattern: str, gait: int) -> Sheet:
+    """Random nodes over the box of the tasks, random modes and tangents: what the atlas predicts need not be good."""
+    random, modes, nodes = np.random.default_rng(gait), 5, 60
+    ranges = problem.scenario.tasks.ranges.values()
+    tasks = random.uniform([r.start for r in ranges], [r.stop for r in ranges], (nodes, 3))
+    bounds = problem.bounds(Pattern.from_text(pattern))
+    space = GaitSpace(bounds.lower, bounds.upper, bounds.lower_rows, bounds.upper_rows)
+    return Sheet(
+        gait=gait,
+        pattern=pattern,
+        space=space,
+        tasks=tasks,
+        costs=random.uniform(1.0, 1.2, nodes),
+        slopes=random.normal(0, 0.1, (nodes, 3)),
+        mean=random.normal(size=space.size).astype(np.float32),
+        modes=random.normal(size=(modes, space.size)).astype(np.float32),
+        coordinates=random.normal(size=(nodes, modes)).astype(np.float32),
+        tangents=random.normal(0, 0.1, (nodes, 3, modes)).astype(np.float32),
+        tear=3.0,
+    )
+
+
+def sloped_map(tiny: TinyMap) -> TinyMap:
+    """A map of three axes; its vectors are random, so that everything has to be put in its right place."""
+    problem = transcribe(sloped_scenario())
+    ranges, random = problem.scenario.tasks.ranges, np.random.default_rng(3)
+    feasible = random.random([each.count for each in ranges.values()]) < 0.95
+    starts = [
+        replace(
+            solved_start(start.gait),
+            primal=random.normal(size=problem.layout.nw),
+            bounds=random.normal(size=problem.layout.nw),
+            rows=random.normal(size=problem.ng),
+        )
+        for start in tiny.starts
+    ]
+    sheets = [scattered_sheet(problem, start.pattern, gait) for gait, start in enumerate(starts)]
+    steps = np.array([(each.stop - each.start) / (each.count - 1) for each in ranges.values()])
+    return replace(
+        tiny,
+        problem=problem,
+        domain=Domain({axis: each.values for axis, each in ranges.items()}, feasible),
+        classifier=perceptron(2, 3),
+        starts=tuple(starts),
+        atlas=Atlas(tuple(ranges), steps * [1.0, 0.5, 0.5], 1e-4, tuple(sheets)),
+    )
 
 
 @pytest.fixture(scope="session")
@@ -63,8 +122,15 @@ def exported(pristine: Path, tmp_path_factory: pytest.TempPathFactory) -> Export
 
 
 @pytest.fixture(scope="session")
-def crowded_export(parts: Parts, tmp_path_factory: pytest.TempPathFactory) -> Exported:
+def crowded_export(tiny: TinyMap, tmp_path_factory: pytest.TempPathFactory) -> Exported:
     """The same problem with a perceptron for a classifier and a crowded atlas."""
-    made = replace(parts, classifier=perceptron(2), atlas=crowded(parts.atlas))
-    model = publish(tmp_path_factory.mktemp("crowded"), made, "1.0.0")
+    made = replace(tiny, classifier=perceptron(2), atlas=crowded(tiny.atlas))
+    model = write_map(made, tmp_path_factory.mktemp("crowded") / "quickstart")
     return export_c(model, tmp_path_factory.mktemp("crowded-exports") / "c")
+
+
+@pytest.fixture(scope="session")
+def sloped_export(tiny: TinyMap, tmp_path_factory: pytest.TempPathFactory) -> Exported:
+    """A map of three axes with linear forces."""
+    model = write_map(sloped_map(tiny), tmp_path_factory.mktemp("sloped") / "quickstart")
+    return export_c(model, tmp_path_factory.mktemp("sloped-exports") / "c")

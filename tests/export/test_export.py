@@ -25,12 +25,18 @@ def test_the_newest_version_is_exported_the_same_each_time(exported: Exported, t
 
 
 def test_a_map_of_before_there_were_atlases_has_none(checkout: Path, tmp_path: Path) -> None:
-    done = export_c(checkout / "models/half-cheetah-flat-effort/1.0.0", tmp_path / "old")
+    model = checkout / "models/half-cheetah-flat-effort/1.0.0"
+    with pytest.raises(ArtifactError, match=r"problem.casadi: .* holds its problem as code"):
+        export_c(model, tmp_path / "old")
+    assert not (tmp_path / "old").exists()
+    done = export_c(model, tmp_path / "old", trust_code=True)
     assert done.sizes["map.bin"] < 1_000_000
     assert (done.folder / "map.bin").read_bytes().endswith(bytes(8)), "no sheets"
 
 
-@pytest.mark.parametrize("name", ["classifier.onnx", "problem.casadi", "warmstarts.safetensors", "atlas.safetensors"])
+@pytest.mark.parametrize(
+    "name", ["classifier.onnx", "problem_check.safetensors", "warmstarts.safetensors", "atlas.safetensors"]
+)
 def test_of_a_damaged_map_nothing_is_written(artifact: Path, tmp_path: Path, name: str) -> None:
     (artifact / name).write_bytes((artifact / name).read_bytes()[:-1])
     with pytest.raises(ArtifactError, match=name):

@@ -7,11 +7,13 @@ import struct
 import zlib
 
 import numpy as np
+import pytest
 
+from gaitflow.core.task import AXES
 from gaitflow.export import Exported
 from gaitflow.export.export import MAP
-from gaitflow.runtime import GaitMap
-from gaitflow.runtime.gait_map import load_atlas
+from gaitflow.runtime.artifact import load_artifact
+from gaitflow.runtime.atlas import NEAREST, REACH, SUPPORT
 from gaitflow.solvers.point import GaitSpace
 
 
@@ -39,64 +41,71 @@ def same(space: GaitSpace, other: GaitSpace) -> bool:
     return all(np.array_equal(getattr(space, name), getattr(other, name)) for name in names)
 
 
-def test_it_holds_the_map(exported: Exported) -> None:
+@pytest.mark.parametrize("which", ["exported", "sloped_export"])
+def test_it_holds_the_map(which: str, request: pytest.FixtureRequest) -> None:
+    exported: Exported = request.getfixturevalue(which)
     content = (exported.folder / MAP).read_bytes()
-    gait_map = GaitMap.load(exported.model)
-    manifest, tensors = gait_map.manifest, gait_map._tensors
-    atlas, layout, domain = load_atlas(exported.model, manifest), manifest.layout, manifest.domain
+    artifact = load_artifact(exported.model)
+    manifest, tensors, atlas = artifact.manifest, artifact.tensors, artifact.atlas
+    layout, domain, axes = manifest.layout, manifest.domain, manifest.space.ranged
 
     magic, number, crc, size, digest = struct.unpack("<8sIIQ32s", content[:56])
-    assert (magic, number, size) == (b"gaitmap\n", 1, len(content))
+    assert (magic, number, size) == (b"gaitmap\n", 2, len(content))
     assert crc == zlib.crc32(content[16:])
     assert digest == hashlib.sha256((exported.model / "manifest.json").read_bytes()).digest()
 
     items = Items(content)
     assert (items.text(), items.text()) == ("quickstart", "1.0.0")
-    speeds, cycles = items.counts(2)
-    assert tuple(items.array("<f8", speeds)) == domain.speeds
-    assert tuple(items.array("<f8", cycles)) == domain.cycle_durations
-    assert np.array_equal(items.array("u1", speeds, cycles), np.array(domain.feasible))
+    parameters, ranged = items.counts(2)
+    names = [items.text() for _ in range(parameters)]
+    assert names == list(AXES)
+    held = items.array("<f8", parameters)
+    places = items.counts(ranged)
+    assert tuple(names[place] for place in places) == axes
+    task = manifest.space.task({axis: values[0] for axis, values in domain.axes.items()})
+    assert np.array_equal(np.delete(task.parameters, places), np.delete(held, places)) and not held[places].any()
 
-    sizes = items.counts(6)
-    assert sizes == [
-        layout.phases,
-        layout.knots_per_phase,
-        len(layout.legs),
-        layout.dimension,
-        layout.base,
-        layout.rows,
-    ]
-    assert tuple(items.text() for _ in layout.legs) == layout.legs
-    assert np.array_equal(items.array("<f8", layout.variables), tensors.scale)
+    sizes = items.counts(ranged)
+    for values, each in zip(domain.axes.values(), sizes, strict=True):
+        assert tuple(items.array("<f8", each)) == values
+    assert np.array_equal(items.array("u1", *sizes), domain.feasible)
 
-    assert items.counts(1) == [1]
-    outputs, inputs = items.counts(2)
-    assert (outputs, inputs) == (2, 2)
-    assert items.array("<f4", inputs, outputs).tolist() == [[-5.0, 5.0], [0.0, 0.0]]
-    assert items.array("<f4", outputs).tolist() == [3.5, -3.5]
-    assert items.array("<f4", 1).tolist() == [1.0]
+    sizes = items.counts(7)
+    assert sizes[:3] == [layout.phases, layout.knots_per_phase, layout.legs]
+    assert sizes[3:] == [layout.dimension, layout.nb, tensors.rows, layout.linear_forces]
+    assert [items.text() for _ in range(layout.legs)] == ["F", "H"]
+    assert np.array_equal(items.array("<f8", layout.knots_per_phase), layout.shares)
+    assert np.array_equal(items.array("<f8", layout.nw), layout.scale(1.0))
+
+    for layer in range(items.counts(1)[0]):
+        outputs, inputs = items.counts(2)
+        weights, biases = items.array("<f4", inputs, outputs), items.array("<f4", outputs)
+        assert inputs == len(axes) or layer
+        if which == "exported":
+            assert weights.tolist() == [[-5.0, 5.0], [0.0, 0.0]] and biases.tolist() == [3.5, -3.5]
+    assert items.array("<f4", 1).tolist() == [1.0 if which == "exported" else pytest.approx(0.7)]
 
     assert items.counts(1) == [len(manifest.gaits)]
     for index, gait in enumerate(manifest.gaits):
         assert [items.text() for _ in range(3)] == [gait.name, gait.key, gait.pattern]
         for vector in tensors.mean(index):
             assert np.array_equal(items.array("<f8", len(vector)), vector)
-        assert same(items.space(layout.variables, layout.rows), tensors.space(index))
+        assert same(items.space(layout.nw, tensors.rows), tensors.space(index))
 
-    speeds, cycles = items.counts(2)
-    assert tuple(items.array("<f8", speeds)) == atlas.speeds
-    assert tuple(items.array("<f8", cycles)) == atlas.cycle_durations
-    assert items.array("<f8", 1).tolist() == [atlas.barrier]
+    assert np.array_equal(items.array("<f8", ranged), atlas.steps)
+    assert items.array("<f8", 4).tolist() == [atlas.barrier, REACH, NEAREST, SUPPORT]
     assert items.counts(1) == [len(atlas.sheets)] != [0]
     for sheet in atlas.sheets:
         assert items.counts(1) == [sheet.gait]
         assert items.text() == sheet.pattern
-        assert same(items.space(layout.variables, layout.rows), sheet.space)
+        assert same(items.space(layout.nw, tensors.rows), sheet.space)
         nodes, modes, numbers = items.counts(3)
         assert items.array("<f8", 1).tolist() == [sheet.tear]
-        assert np.array_equal(items.array("<u4", nodes, 2), sheet.places)
+        assert np.array_equal(items.array("<f8", nodes, ranged), sheet.tasks)
         assert np.array_equal(items.array("<f8", nodes), sheet.costs)
+        assert np.array_equal(items.array("<f8", nodes, ranged), sheet.slopes)
         assert np.array_equal(items.array("<f4", numbers), sheet.mean)
         assert np.array_equal(items.array("<f4", modes, numbers), sheet.modes)
         assert np.array_equal(items.array("<f4", nodes, modes), sheet.coordinates)
+        assert np.array_equal(items.array("<f4", nodes, ranged, modes), sheet.tangents)
     assert items.at == len(content)

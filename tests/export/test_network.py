@@ -14,7 +14,7 @@ from gaitflow.learn.classifier import GaitClassifier, frequencies_of
 from gaitflow.learn.export_onnx import to_onnx_bytes
 from gaitflow.learn.methods import methods
 from gaitflow.runtime.classifier import Classifier
-from gaitflow.runtime.manifest import read_manifest
+from gaitflow.runtime.manifest_file import read_manifest
 
 LEARNING = Learning(folds=2, hidden_layers=((12, 8, 6),), learning_rates=(1e-2,), max_epochs=20)
 TASKS = np.random.default_rng(0).uniform((0.1, 0.4), (2.3, 1.6), (60, 2)).astype(np.float32)
@@ -22,7 +22,7 @@ TASKS = np.random.default_rng(0).uniform((0.1, 0.4), (2.3, 1.6), (60, 2)).astype
 
 def fitted(name: str) -> bytes:
     y = np.digitize(TASKS @ [1.0, -0.5], [0.2, 0.9]).astype(np.int64)
-    method = next(method for method in methods(LEARNING, 3, 30) if method.name == name)
+    method = next(method for method in methods(LEARNING, 2, 3, 30) if method.name == name)
     pipeline = method.pipeline.fit(TASKS, y)
     return to_onnx_bytes(GaitClassifier(name, ("a", "b", "c"), pipeline, frequencies_of(y, 3), 1.7))
 
@@ -42,14 +42,14 @@ def test_the_layers_answer_as_the_graph_does() -> None:
     network = read_network(content, "mlp", "classifier.onnx")
     assert [layer.weights.shape for layer in network.layers] == [(12, 2), (8, 12), (6, 8), (3, 6)]
     assert network.temperature == pytest.approx(1.7)
-    np.testing.assert_allclose(evaluated(network, TASKS), Classifier(content, 3, "here")(TASKS), atol=1e-5)
+    np.testing.assert_allclose(evaluated(network, TASKS), Classifier(content, 2, 3, "here")(TASKS), atol=1e-5)
 
 
 def test_a_published_classifier_can_be_read(checkout: Path) -> None:
     folder = checkout / "models/half-cheetah-flat-effort/1.0.0"
     gaits, content = len(read_manifest(folder).gaits), (folder / "classifier.onnx").read_bytes()
     network = read_network(content, "mlp", "here")
-    np.testing.assert_allclose(evaluated(network, TASKS), Classifier(content, gaits, "here")(TASKS), atol=1e-5)
+    np.testing.assert_allclose(evaluated(network, TASKS), Classifier(content, 2, gaits, "here")(TASKS), atol=1e-5)
 
 
 @pytest.mark.parametrize("name", ["svm", "forest", "knn"])
