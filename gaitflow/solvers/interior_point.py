@@ -29,8 +29,8 @@ NEAR = 1e-2  # errors below which the barrier may fall
 LEAST_STIFFNESS = 1e-14
 HELD = 1e-3  # on H's diagonal once only rows are off: where the cost is flat nothing else holds a motion in place
 SHORT = 0.3  # a step shorter than this leads nowhere near a minimum, and the next one is corrected
-# Multipliers of rows without a solution grow without end. Over the cost, those of solved gaits stay below 100 (of two in
-# a hundred 1000); where IPOPT found no motion either they are beyond this after 12 to 25 iterations.
+# Multipliers of rows without a solution grow without end. Over the cost, those of solved gaits stay below 100 (two in a
+# hundred: 1000); where IPOPT found no motion either they are beyond this after 12 to 25 iterations.
 LARGEST_MULTIPLIER = 2e3
 UNMET = 5e-4  # a row that large multipliers leave this far off
 EARLY = 10  # iterations in which multipliers only find their size

@@ -36,8 +36,8 @@ class Program:
     """A problem (w [nw], task [axes]) -> (cost, rows [ng]) and its derivatives. For one thread.
 
     Arrays hold the values of the last evaluation: cost [1], rows [ng], gradient [nw]; jacobian and hessian are the
-    values of fixed places, (row, column) each: `jacobian_places` and, upper triangle, `hessian_places`. Several programs
-    of one problem may share its `derivatives`, which take seconds to build in space.
+    values of fixed places, (row, column) each: `jacobian_places` and, upper triangle, `hessian_places`. Programs of one
+    problem may share its `derivatives`, which take seconds to build in space.
     """
 
     def __init__(self, problem: Any, function: Any | None = None) -> None:

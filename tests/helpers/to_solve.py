@@ -6,10 +6,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tasks_at import at
 
 from gaitflow.config.scenario import Scenario, Transcription, load_scenario
 from gaitflow.core.gaits import Pattern
-from gaitflow.problem import transcribe
+from gaitflow.core.task import Task
+from gaitflow.problem import GaitProblem, transcribe
 from gaitflow.search import starts
 from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, Start
 
@@ -36,17 +38,21 @@ def anymal(checkout: Path) -> Scenario:
     return scenario.model_copy(update={"transcription": transcription})
 
 
+def nominal(problem: GaitProblem, task: Task) -> Start:
+    """The glide along the command, without multipliers."""
+    return Start("nominal", starts.nominal(problem.scenario.robot, problem.layout, task))
+
+
 @pytest.fixture(scope="session")
 def solve() -> Solve:
     """One solve of a scenario's pattern and task from the nominal start; a solver is built once a scenario."""
     solvers: dict[str, FixedGaitSolver] = {}
 
-    def solve(scenario: Scenario, pattern: str, speed: float, cycle_duration: float, **other: float) -> Attempt:
+    def solve(scenario: Scenario, pattern: str, speed: float, cycle_duration: float, **axes: float) -> Attempt:
         if scenario.problem_digest not in solvers:
             solvers[scenario.problem_digest] = FixedGaitSolver(transcribe(scenario), 20.0)
         solver = solvers[scenario.problem_digest]
-        task = scenario.tasks.space.task({"speed": speed, "cycle_duration": cycle_duration, **other})
-        start = Start("nominal", starts.nominal(scenario.robot, solver.problem.layout, task))
-        return solver.solve(Pattern.from_text(pattern), task, start)
+        task = at(speed, cycle_duration, **axes)
+        return solver.solve(Pattern.from_text(pattern), task, nominal(solver.problem, task))
 
     return solve

@@ -6,16 +6,23 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from tasks_at import at
 
-from gaitflow.config.scenario import Objective, Scenario, Terrain, Transcription
+from gaitflow.config.scenario import Objective, Scenario, Transcription
 from gaitflow.core.check import FEASIBLE, worst
+from gaitflow.core.layout import GRAVITY
 from gaitflow.core.trajectory import Trajectory
 from gaitflow.problem import transcribe
-from gaitflow.core.layout import GRAVITY, knot_times
-from gaitflow.solvers.ipopt import Attempt
+from gaitflow.solvers.fixed_gait import Attempt
 
 Solve = Callable[..., Attempt]
 EFFORT = Objective(force=1.0)
+
+
+def on(scenario: Scenario, **axes: float) -> Scenario:
+    """The scenario with other fixed values of its tasks' axes."""
+    tasks = scenario.tasks.model_copy(update={"axes": {**scenario.tasks.axes, **axes}})
+    return scenario.model_copy(update={"tasks": tasks})
 
 
 def test_standing_in_the_plane(effort: Scenario, solve: Solve) -> None:
@@ -40,7 +47,7 @@ def test_standing_in_space(anymal: Scenario, solve: Solve) -> None:
 def test_standing_on_a_slope_leans_until_the_legs_share_evenly(effort: Scenario, solve: Solve) -> None:
     """A box wide enough lets the body stand over the middle of its feet as gravity sees them; the cost is the same."""
     weight, slope = effort.robot.mass * GRAVITY, np.radians(20.0)
-    attempt = solve(effort.model_copy(update={"terrain": Terrain(slope_deg=20.0)}), "1111/1111", 0.0, 0.5)
+    attempt = solve(on(effort, slope=20.0), "1111/1111", 0.0, 0.5, slope=20.0)
     assert attempt.feasible
     assert attempt.cost == pytest.approx(0.5 * weight**2 / 2, rel=1e-6)
     shares = np.broadcast_to([np.sin(slope), np.cos(slope)], (40, 2, 2)) * weight / 2
@@ -52,8 +59,8 @@ def test_standing_on_a_slope_leans_until_the_legs_share_evenly(effort: Scenario,
 def test_standing_on_a_slope_in_a_tight_box_loads_the_hind_leg(effort: Scenario, solve: Solve) -> None:
     """With the posture given, forces are the least squares solution of the balances of force and moment."""
     robot = effort.robot.model_copy(update={"box": (1e-4, 1e-4)})
-    scenario = effort.model_copy(update={"robot": robot, "terrain": Terrain(slope_deg=20.0, friction=2.0)})
-    attempt = solve(scenario, "1111/1111", 0.0, 0.5)
+    scenario = on(effort.model_copy(update={"robot": robot}), slope=20.0)
+    attempt = solve(scenario, "1111/1111", 0.0, 0.5, slope=20.0, friction=2.0)
     assert attempt.feasible
     weight, slope = robot.mass * GRAVITY, np.radians(20.0)
     # Unknown: front x, z, hind x, z. Levers of the default posture: (0.5, -0.5) and (-0.5, -0.5).
@@ -66,9 +73,9 @@ def test_standing_on_a_slope_in_a_tight_box_loads_the_hind_leg(effort: Scenario,
 
 def test_nobody_stands_on_a_slope_steeper_than_friction_allows(effort: Scenario, solve: Solve) -> None:
     """tan(20 degrees) = 0.364."""
-    slippery, rough = (Terrain(slope_deg=20.0, friction=mu) for mu in (0.35, 0.38))
-    assert solve(effort.model_copy(update={"terrain": rough}), "1111/1111", 0.0, 0.5).feasible
-    attempt = solve(effort.model_copy(update={"terrain": slippery}), "1111/1111", 0.0, 0.5)
+    scenario = on(effort, slope=20.0)
+    assert solve(scenario, "1111/1111", 0.0, 0.5, slope=20.0, friction=0.38).feasible
+    attempt = solve(scenario, "1111/1111", 0.0, 0.5, slope=20.0, friction=0.35)
     assert not attempt.feasible
     assert attempt.violation > 1e-3
 
@@ -136,14 +143,16 @@ def test_a_motion_cut_elsewhere_is_a_motion_of_the_same_cost(anymal: Scenario, s
     feet[..., 0] -= start
     durations = np.roll(old.durations, -1)
     cut = Trajectory(
-        times=knot_times(durations, n),
+        times=transcribe(anymal).layout.times(durations),
         base=base,
         feet=feet,
         forces=np.roll(old.forces, -n, axis=0),
+        end_forces=np.roll(old.end_forces, -n, axis=0),
         foot_velocities=np.roll(old.foot_velocities, -n, axis=0),
         durations=durations,
     )
-    assert worst(anymal.as_data(), cut, speed, cycle, CUT) <= FEASIBLE
+    task = at(speed, cycle)
+    assert worst(anymal.as_data(), cut, task, CUT) <= FEASIBLE
     problem = transcribe(anymal)
-    cost = float(problem.nlp(problem.layout.pack(cut, cycle), [speed, cycle])[0]) * problem.cost_scale
+    cost = float(problem.nlp(problem.layout.pack(cut, cycle), task.parameters)[0]) * problem.cost_scale
     assert cost == pytest.approx(found.cost, rel=1e-9)

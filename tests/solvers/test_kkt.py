@@ -2,21 +2,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from tasks_at import at
 
-from gaitflow.publishing import Parts
 from gaitflow.solvers.kkt import DUAL, PRIMAL, Kkt, NotFactorised
 from gaitflow.solvers.point import GaitSpace
 from gaitflow.solvers.program import Program
 
-TASK, UNIT = np.array([0.8, 0.7]), 3.0
+TASK, UNIT = at(0.8, 0.7).parameters, 3.0
 GAITS = ("walking", "gallop")
 
 
-def evaluate(program: Program, parts: Parts, gait: str, multipliers: float) -> None:
+def evaluate(program: Program, solved: dict, gait: str, multipliers: float) -> None:
     """The program near the gait's start, with random multipliers of some size."""
     rng = np.random.default_rng(4)
-    start = next(each for each in parts.starts if each.gait == gait)
-    w = start.primal + 0.02 * rng.normal(size=program.variables)
+    w = solved[gait].attempt.w + 0.02 * rng.normal(size=program.variables)
     program.evaluate(w, TASK, multipliers * rng.normal(size=program.row_count))
 
 
@@ -36,23 +35,24 @@ def dense(program: Program, space: GaitSpace, variables: np.ndarray, unequal: np
 
 
 @pytest.mark.parametrize("gait", GAITS)
-def test_solves_as_a_dense_matrix_does(program: Program, spaces: dict, parts: Parts, gait: str) -> None:
-    space, rng = spaces[gait], np.random.default_rng(0)
+def test_solves_as_a_dense_matrix_does(program: Program, solved: dict, gait: str) -> None:
+    space, rng = solved[gait].space, np.random.default_rng(0)
     kkt = Kkt(program, space)
     for multipliers in (0.0, 1e-3, 1e-2):  # the matrix is updated, not built anew
-        evaluate(program, parts, gait, multipliers)
+        evaluate(program, solved, gait, multipliers)
         variables, unequal = rng.uniform(0.5, 2, len(space.free)), rng.uniform(0.5, 2, len(space.unequal))
         right = rng.normal(size=len(space.free) + space.rows)
         expected = np.linalg.solve(dense(program, space, variables, unequal), right)
-        found = kkt.solve(UNIT, variables, unequal, right)
+        kkt.factorise(UNIT, variables, unequal)
+        found = kkt.solve(right)
         assert np.abs(found - expected).max() <= 1e-7 * np.abs(expected).max()
 
 
 @pytest.mark.parametrize("gait", GAITS)
-def test_transposed_jacobian_is_the_gaits_part(program: Program, spaces: dict, parts: Parts, gait: str) -> None:
-    space = spaces[gait]
+def test_transposed_jacobian_is_the_gaits_part(program: Program, solved: dict, gait: str) -> None:
+    space = solved[gait].space
     kkt = Kkt(program, space)
-    evaluate(program, parts, gait, 1.0)
+    evaluate(program, solved, gait, 1.0)
     multipliers = np.random.default_rng(1).normal(size=space.rows)
     matrix = dense(program, space, np.zeros(len(space.free)), np.zeros(len(space.unequal)))
     expected = matrix[: len(space.free), len(space.free) :] @ multipliers
@@ -60,15 +60,16 @@ def test_transposed_jacobian_is_the_gaits_part(program: Program, spaces: dict, p
 
 
 @pytest.mark.parametrize("gait", GAITS)
-def test_an_indefinite_hessian_is_corrected(program: Program, spaces: dict, parts: Parts, gait: str) -> None:
-    space, free = spaces[gait], len(spaces[gait].free)
+def test_an_indefinite_hessian_is_corrected(program: Program, solved: dict, gait: str) -> None:
+    space, free = solved[gait].space, len(solved[gait].space.free)
     kkt = Kkt(program, space)
-    evaluate(program, parts, gait, 0.1)
+    evaluate(program, solved, gait, 0.1)
     variables, unequal = np.zeros(free), np.full(len(space.unequal), 1e3)
     right = np.random.default_rng(2).normal(size=free + space.rows)
     matrix = dense(program, space, variables, unequal)
     assert (np.linalg.eigvalsh(matrix) < 0).sum() > space.rows, "H is not indefinite where it matters"
-    found = kkt.solve(UNIT, variables, unequal, right, correct=True)
+    kkt.factorise(UNIT, variables, unequal, correct=True)
+    found = kkt.solve(right)
     missing = (right - matrix @ found)[:free]
     lift = missing @ found[:free] / (found[:free] @ found[:free])
     assert lift > 1e-5, "nothing was corrected"
@@ -77,22 +78,23 @@ def test_an_indefinite_hessian_is_corrected(program: Program, spaces: dict, part
     np.testing.assert_allclose(matrix @ found, right, atol=1e-5 * np.abs(found).max())
 
 
-def test_a_matrix_beyond_correction_is_said(program: Program, spaces: dict, parts: Parts) -> None:
-    space = spaces["gallop"]
+def test_a_matrix_beyond_correction_is_said(program: Program, solved: dict) -> None:
+    space = solved["gallop"].space
     kkt = Kkt(program, space)
-    evaluate(program, parts, "gallop", 1e6)
+    evaluate(program, solved, "gallop", 1e6)
     variables, unequal = np.zeros(len(space.free)), np.full(len(space.unequal), 1e3)
     right = np.ones(len(space.free) + space.rows)
     with pytest.raises(NotFactorised, match="no factorisation with"):
-        kkt.solve(UNIT, variables, unequal, right, correct=True)
-    evaluate(program, parts, "gallop", 0.0)
-    assert np.isfinite(kkt.solve(UNIT, variables + 1, unequal, right, correct=True)).all(), "the next one is not lost"
+        kkt.factorise(UNIT, variables, unequal, correct=True)
+    evaluate(program, solved, "gallop", 0.0)
+    kkt.factorise(UNIT, variables + 1, unequal, correct=True)
+    assert np.isfinite(kkt.solve(right)).all(), "the next one is not lost"
 
 
-def test_what_is_not_a_number_has_no_factorisation(program: Program, spaces: dict, parts: Parts) -> None:
-    space = spaces["walking"]
-    evaluate(program, parts, "walking", 0.0)
+def test_what_is_not_a_number_has_no_factorisation(program: Program, solved: dict) -> None:
+    space = solved["walking"].space
+    evaluate(program, solved, "walking", 0.0)
     program.hessian[:] = np.nan
     ones = np.ones(len(space.free))
     with pytest.raises(NotFactorised):
-        Kkt(program, space).solve(UNIT, ones, ones[: len(space.unequal)], np.ones(len(ones) + space.rows), correct=True)
+        Kkt(program, space).factorise(UNIT, ones, ones[: len(space.unequal)], correct=True)

@@ -3,20 +3,22 @@ from __future__ import annotations
 import casadi as ca
 import pytest
 
-from gaitflow.runtime import ArtifactError
-from gaitflow.solvers.ipopt import IPOPT_WARM
-from gaitflow.solvers.options import _INTEGERS, _NUMBERS, _WORDS, WARM_START, checked_options
-
-FORCED = {"linear_solver", "print_level", "sb"}  # the runtime sets these itself
+from gaitflow.core.errors import ArtifactError
+from gaitflow.solvers.options import _INTEGERS, _NUMBERS, _WORDS, CONVERGED, IPOPT, IPOPT_WARM, checked_options
 
 
-def test_the_options_of_a_warm_start_are_allowed() -> None:
-    assert checked_options(WARM_START) == WARM_START
-
-
-def test_what_solved_the_dataset_may_be_published() -> None:
-    options = {name: value for name, value in IPOPT_WARM.items() if name not in FORCED}
+@pytest.mark.parametrize("options", [IPOPT, IPOPT_WARM])
+def test_what_we_solve_with_may_be_published(options: dict) -> None:
     assert checked_options(options) == options
+
+
+def test_a_warm_start_differs_only_in_not_forgetting_it() -> None:
+    assert {name: IPOPT_WARM[name] for name in IPOPT} == IPOPT
+    assert all(name.startswith(("warm_start_", "mu_init")) for name in set(IPOPT_WARM) - set(IPOPT))
+
+
+def test_the_first_word_of_convergence_is_our_own() -> None:
+    assert CONVERGED == ("converged", "Solve_Succeeded", "Solved_To_Acceptable_Level")
 
 
 @pytest.mark.parametrize(

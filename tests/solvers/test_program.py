@@ -4,19 +4,21 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tasks_at import at
 
-from gaitflow.publishing import Parts
+from gaitflow.core.task import AXES
+from gaitflow.problem import GaitProblem
 from gaitflow.solvers.program import Program
 
-TASK = np.array([0.8, 0.7])
+TASK = at(0.8, 0.7).parameters
 
 
 @pytest.fixture
-def near(parts: Parts) -> tuple[np.ndarray, np.ndarray]:
+def near(problem: GaitProblem, solved: dict) -> tuple[np.ndarray, np.ndarray]:
     """A point beside a motion, where no derivative is nothing, and multipliers."""
     rng = np.random.default_rng(3)
-    w = parts.starts[1].primal + 0.05 * rng.normal(size=parts.problem.layout.nw)
-    return w, rng.normal(size=parts.problem.ng)
+    w = solved["gallop"].attempt.w + 0.05 * rng.normal(size=problem.layout.nw)
+    return w, rng.normal(size=problem.ng)
 
 
 def dense(values: np.ndarray, places: tuple[np.ndarray, np.ndarray], shape: tuple[int, int]) -> np.ndarray:
@@ -32,9 +34,9 @@ def lagrangian(program: Program, w: np.ndarray, multipliers: np.ndarray) -> tupl
     return float(program.cost[0]), program.rows.copy(), program.gradient + multipliers @ jacobian
 
 
-def test_cost_and_rows_are_the_problems(program: Program, parts: Parts, near: tuple) -> None:
+def test_cost_and_rows_are_the_problems(program: Program, problem: GaitProblem, near: tuple) -> None:
     cost, rows, _ = lagrangian(program, *near)
-    expected_cost, expected_rows = parts.problem.nlp(near[0], TASK)
+    expected_cost, expected_rows = problem.nlp(near[0], TASK)
     assert cost == pytest.approx(float(expected_cost), rel=1e-14)
     np.testing.assert_allclose(rows, np.asarray(expected_rows).ravel(), rtol=1e-12, atol=1e-12)
 
@@ -70,8 +72,10 @@ def test_derivatives_are_those_of_finite_differences(program: Program, near: tup
     np.testing.assert_allclose(curved / scale, (gradient_above - gradient_below) / (2 * h * scale), atol=1e-6)
 
 
-def test_two_programs_of_one_function_do_not_disturb_each_other(parts: Parts, evaluated: Any, near: tuple) -> None:
-    one, other = (Program(parts.problem.nlp, evaluated) for _ in range(2))
+def test_two_programs_of_one_function_do_not_disturb_each_other(
+    problem: GaitProblem, evaluated: Any, near: tuple
+) -> None:
+    one, other = (Program(problem.nlp, evaluated) for _ in range(2))
     w, multipliers = near
     one.evaluate(w, TASK, multipliers)
     names = ("cost", "rows", "gradient", "jacobian", "hessian")
@@ -90,3 +94,29 @@ def test_the_arrays_stay_the_same_ones(program: Program, near: tuple) -> None:
     program.evaluate(near[0], TASK, near[1])
     assert program.gradient is held
     assert np.abs(held).max() > 0
+
+
+def test_it_builds_its_own_derivatives(problem: GaitProblem, program: Program, near: tuple) -> None:
+    own = Program(problem.nlp)
+    for each in (own, program):
+        each.evaluate(near[0], TASK, near[1])
+    np.testing.assert_array_equal(own.hessian, program.hessian)
+    np.testing.assert_array_equal(own.jacobian, program.jacobian)
+
+
+def test_changes_with_the_task_are_those_of_finite_differences(program: Program, near: tuple) -> None:
+    w, multipliers = near
+    of_gradient, of_rows = program.by_task(w, TASK, multipliers)
+    assert of_gradient.shape == (len(w), len(AXES)) and of_rows.shape == (len(multipliers), len(AXES))
+    matter = [axis for number, axis in enumerate(AXES) if of_gradient[:, number].any() or of_rows[:, number].any()]
+    assert matter == ["speed", "cycle_duration", "friction"]
+    for number, h in enumerate(1e-6 * np.maximum(np.abs(TASK), 1.0)):
+        step = h * np.eye(len(TASK))[number]
+        ends = []
+        for task in (TASK + step, TASK - step):
+            program.evaluate(w, task, multipliers)
+            jacobian = dense(program.jacobian, program.jacobian_places, (program.row_count, program.variables))
+            ends.append((program.gradient + multipliers @ jacobian, program.rows.copy()))
+        for found, above, below in zip((of_gradient, of_rows), *ends, strict=True):
+            expected = (above - below) / (2 * h)
+            np.testing.assert_allclose(found[:, number], expected, atol=1e-5 * max(1.0, np.abs(expected).max()))
