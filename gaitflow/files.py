@@ -1,4 +1,4 @@
-"""Writing that a kill, a crash or a full disk cannot leave half done, and paths that cannot leave their folder."""
+"""Atomic, durable file writes, and paths that stay inside a folder."""
 
 from __future__ import annotations
 
