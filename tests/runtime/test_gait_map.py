@@ -184,7 +184,8 @@ def test_warm_start_is_much_nearer_the_optimum_than_the_mean(gait_map: GaitMap, 
         np.testing.assert_allclose(start.base, expected.base)
         np.testing.assert_allclose(start.forces, expected.forces)
         mean = gait_map.mean_start(plan.gait, cycle)
-        assert np.abs(start.base - plan.base).max() < 0.5 * np.abs(mean.base - plan.base).max()
+        away, off = (np.abs(each.base - plan.base)[:, :3].max() for each in (start, mean))
+        assert away < 0.5 * off, "position and pitch"
         assert np.abs(start.durations - plan.durations).max() < 0.05 * cycle
         assert start.multipliers_bounds.shape == start.primal.shape
         assert start.multipliers_rows.shape == (tiny.problem.ng,)

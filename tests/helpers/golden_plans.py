@@ -1,0 +1,63 @@
+"""What the published maps plan at a few random tasks of their domains, recorded; run as a script to record it anew."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from gaitflow.runtime import GaitMap
+from gaitflow.runtime.manifest import FORMAT
+from gaitflow.runtime.manifest_file import read_manifest
+from gaitflow.runtime.versions import resolve
+
+MODELS = Path(__file__).parents[2] / "models"
+GOLDEN = Path(__file__).parents[1] / "data" / "golden_plans.json"
+EASY, HARD = 4, 4  # plans a map: the first ones drawn, and those of the most iterations
+DRAWN = 200
+
+
+def published() -> dict[str, Path]:
+    """The newest version of every map of today's format, by the scenario's name."""
+    folders = {path.name: resolve(path) for path in sorted(MODELS.iterdir()) if path.is_dir()}
+    return {name: folder for name, folder in folders.items() if read_manifest(folder).format == FORMAT}
+
+
+def golden() -> dict[str, Any]:
+    """What was recorded: by scenario the version and its plans."""
+    recorded: dict[str, Any] = json.loads(GOLDEN.read_text())
+    return recorded
+
+
+def drawn(gait_map: GaitMap, count: int, seed: int = 0) -> list[dict[str, float]]:
+    """Random tasks inside a map's domain."""
+    axes, rng, tasks = gait_map.manifest.domain.axes, np.random.default_rng(seed), []
+    while len(tasks) < count:
+        task = {axis: round(float(rng.uniform(values[0], values[-1])), 6) for axis, values in axes.items()}
+        if gait_map.manifest.domain.contains(task):
+            tasks.append(task)
+    return tasks
+
+
+def record(folder: Path) -> dict[str, Any]:
+    """Plans of one map."""
+    gait_map = GaitMap.load(folder)
+    plans = [gait_map.plan(**task) for task in drawn(gait_map, DRAWN)]
+    hard = sorted(plans[EASY:], key=lambda plan: plan.iterations)[-HARD:]
+    rows = [
+        {
+            "task": {axis: plan.task[axis] for axis in gait_map.axes},
+            "gait": plan.gait,
+            "path": plan.path,
+            "cost": plan.cost,
+            "iterations": plan.iterations,
+        }
+        for plan in [*plans[:EASY], *hard]
+    ]
+    return {"version": folder.name, "plans": rows}
+
+
+if __name__ == "__main__":
+    GOLDEN.write_text(json.dumps({name: record(folder) for name, folder in published().items()}, indent=1) + "\n")
