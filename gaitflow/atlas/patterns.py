@@ -9,19 +9,36 @@ from collections.abc import Iterable
 
 import pandas as pd
 
+from gaitflow.config.scenario import Scenario
+from gaitflow.config.tasks import tasks_of
+from gaitflow.core.gaits import Pattern, Symmetry, gait_of
 from gaitflow.dataset.labels import MAX_VIOLATION
 from gaitflow.dataset.schema import task_columns
 
 NEARLY_BEST = 0.02  # relative: a gait matters at tasks of the grid where it is at most this much dearer than the best
 
 
+def map_symmetry(scenario: Scenario) -> Symmetry:
+    """Which patterns are one gait everywhere in a map: the images under which all of its tasks stay as they are.
+
+    On level ground a gait run backwards may be the same one; in a map of many slopes it is not.
+    """
+    each = {scenario.symmetry(task) for task in tasks_of(scenario) if task.split == "grid"}
+    mirrors, reversals = {one.mirror for one in each}, {one.reversal for one in each}
+    return Symmetry(
+        mirrors.pop() if len(mirrors) == 1 else None,
+        reversals.pop() if len(reversals) == 1 else None,
+    )
+
+
 def full_patterns(
-    solutions: pd.DataFrame, costs: pd.DataFrame, gaits: Iterable[str], tolerance: float
+    solutions: pd.DataFrame, costs: pd.DataFrame, gaits: Iterable[str], tolerance: float, symmetry: Symmetry
 ) -> dict[str, str]:
     """Full patterns and the gaits that they realise, of the `gaits` only, sorted by gait.
 
     `solutions` are the scalars of the dataset, `costs` the frame of `gaitflow.dataset.labels.gait_costs`. At every task
     of the grid where a gait matters one of its patterns is at most `tolerance` (relative) dearer than its best one.
+    `symmetry` is the map's: a pattern that is another gait at other tasks of the map is left out.
     """
     task = task_columns(costs.columns)
     kept = (solutions["status"] == "solved") & (solutions["violation"] <= MAX_VIOLATION)
@@ -29,6 +46,8 @@ def full_patterns(
     least = rows.groupby([*task, "gait", "pattern"], sort=False)["cost"].min().reset_index()
     best = least.groupby([*task, "gait"])["cost"].transform("min")
     good = least[least["cost"] <= best * (1 + tolerance)]
+    keys = {pattern: gait_of(Pattern.from_text(pattern), symmetry).text for pattern in good["pattern"].unique()}
+    good = good[good["pattern"].map(keys) == good["gait"]]
     matters = costs[(costs["split"] == "grid") & (costs["excess"] <= NEARLY_BEST)]
     chosen: dict[str, str] = {}
     for name in sorted(set(gaits)):

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from gaitflow.core.gaits import NO_SYMMETRY, Pattern, Symmetry, gait_of
 from gaitflow.core.trajectory import Array, Trajectory
 from gaitflow.dataset.labels import MAX_VIOLATION
 from gaitflow.dataset.schema import task_columns
@@ -33,14 +34,18 @@ class WarmStart:
 
 
 def region_means(
-    labels: pd.DataFrame, solutions: Iterable[Solution], pack: Callable[[Trajectory, float], Array]
+    labels: pd.DataFrame,
+    solutions: Iterable[Solution],
+    pack: Callable[[Trajectory, float], Array],
+    symmetry: Symmetry = NO_SYMMETRY,
 ) -> tuple[WarmStart, ...]:
     """One warm start a gait that is the `label` of a grid task, sorted by gait.
 
     A gait's region is the grid tasks with that label. Several full patterns realise the gait: taken is the one that is
     best at most tasks of the region (then the first as text), and averaged are its solutions at all tasks of the
     region. `pack(trajectory, cycle_duration)` gives the scaled decision vector [nw]. Solutions without trajectory or
-    multipliers do not count. Raises ValueError naming a gait that has none left.
+    multipliers do not count, nor those of a pattern that is another gait elsewhere in the map, by the `symmetry` that
+    all of its tasks have. Raises ValueError naming a gait that has none left.
     """
     grid = labels[(labels["split"] == "grid") & (labels["status"] == "solved")]
     key_of = dict(zip(grid["gait"], grid["gait_key"], strict=True))
@@ -51,7 +56,9 @@ def region_means(
     for solution in solutions:
         task = solution.task.on(axes)
         gait, key = region.get(task, ("", ""))
-        if solution.task.split == "grid" and solution.gait == key and _usable(solution):
+        if solution.task.split != "grid" or solution.gait != key or not _usable(solution):
+            continue
+        if gait_of(Pattern.from_text(solution.pattern), symmetry).text == key:
             by_gait[gait].setdefault(task, []).append(solution)
     return tuple(_mean(gait, by_gait[gait], pack) for gait in sorted(by_gait))
 

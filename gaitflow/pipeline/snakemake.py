@@ -22,8 +22,10 @@ def run_workflow(
     """
     snakefile = Path("workflow", "Snakefile")
     if not (workspace.root / snakefile).is_file():
-        raise ConfigError(f"{workspace.root / snakefile}: no such file; `gaitflow run` belongs into a checkout, "
-                          "elsewhere give the stages one by one: solve, label, train, publish, report")  # fmt: skip
+        raise ConfigError(
+            f"{workspace.root / snakefile}: no such file; `gaitflow run` belongs into a checkout, elsewhere give the "
+            "stages one by one: solve, label, atlas, train, publish, report"
+        )
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(snakefile), "--cores", str(workers)]
     command += ["--config", f"scenarios=['{scenario}']", "--rerun-incomplete", "--quiet", "progress", "host", "reason"]
     command.append("--dry-run" if dry_run else "rules")  # the stages speak for themselves

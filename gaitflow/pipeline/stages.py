@@ -6,8 +6,9 @@ Pure functions of the packages below do the work; here they get their files, and
 from __future__ import annotations
 
 import json
+import math
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,8 +20,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from gaitflow.config.cluster import Profile
+    from gaitflow.core.domain import Domain
     from gaitflow.execute.run import RunState
-    from gaitflow.problem import GaitProblem
     from gaitflow.report.claims import Claim
     from gaitflow.runtime.atlas import Atlas
 
@@ -91,29 +92,68 @@ def label(workspace: Workspace, scenario: Scenario) -> pd.DataFrame:
     _need(run.solutions, f"gaitflow solve {scenario.name}")
     solutions = load_solutions(run.solutions)
     costs = gait_costs(solutions.frame(), scenario.robot.leg_names)
-    tolerance, knots = scenario.learning.tie_tolerance, scenario.transcription.knots_per_phase
-    labels = mark_failed(label_tasks(costs, tasks_of(scenario), tolerance, knots), solutions.frame())
-    labels = with_motion_checks(labels, solutions)
+    knots = scenario.transcription.knots_per_phase
+    labels = label_tasks(costs, tasks_of(scenario), scenario.learning.tie_tolerance, knots)
+    labels = with_motion_checks(mark_failed(labels, solutions.frame()), solutions)
     _write_frame(run.gait_costs, costs)
     _write_frame(run.labels, labels)
     return labels
+
+
+def atlas(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
+    """Grow the solutions of every labelled gait into an atlas; writes it and how good its predictions are."""
+    import pandas as pd
+
+    from gaitflow.atlas.compress import build_atlas
+    from gaitflow.atlas.fill import fill
+    from gaitflow.atlas.grow import grow
+    from gaitflow.atlas.judge import judge_predictions
+    from gaitflow.atlas.patterns import full_patterns, map_symmetry
+    from gaitflow.core.gaits import Pattern
+    from gaitflow.dataset import load_solutions
+    from gaitflow.problem import transcribe
+    from gaitflow.runtime.atlas_file import atlas_bytes
+
+    run = workspace.run(scenario)
+    _need(run.labels, f"gaitflow label {scenario.name}")
+    labels, costs = pd.read_parquet(run.labels), pd.read_parquet(run.gait_costs)
+    solutions, tolerance = load_solutions(run.solutions), scenario.learning.tie_tolerance
+    solved = labels[(labels["split"] == "grid") & (labels["status"] == "solved")]
+    gaits = sorted(solved["label"].unique().tolist())
+    patterns = full_patterns(solutions.frame(), costs, gaits, tolerance, map_symmetry(scenario))
+    numbers = [gaits.index(gait) for gait in patterns.values()]
+    problem, domain = transcribe(scenario), _domain(scenario, labels)
+    growth = grow(problem, [Pattern.from_text(pattern) for pattern in patterns], solutions, domain)
+    fill(growth, lambda: build_atlas(growth, numbers), tolerance)
+    built = build_atlas(growth, numbers)
+    content = atlas_bytes(built)
+    data = {
+        "gaits": gaits,
+        "nodes": {f"{gaits[sheet.gait]} {sheet.pattern}": len(sheet.tasks) for sheet in built.sheets},
+        "modes": max((len(sheet.modes) for sheet in built.sheets), default=0),
+        "bytes": len(content),
+        "predictions": _without_nan(asdict(judge_predictions(growth, built))),
+        "solves": growth.solver.solves,
+    }
+    atomic_write(run.atlas, content)
+    write_json(run.atlas_record, data)
+    return data
 
 
 def train(workspace: Workspace, scenario: Scenario, constant: bool) -> dict[str, Any]:
     """Train and judge the classifiers; writes the winner and how all of them did."""
     import pandas as pd
 
-    from gaitflow.learn.nodes import node_labels
+    from gaitflow.learn.train import KnownCosts
     from gaitflow.learn.train import train as train_all
-    from gaitflow.problem import transcribe
 
     run = workspace.run(scenario)
     _need(run.labels, f"gaitflow label {scenario.name}")
-    _need(run.predictors, f"gaitflow atlas {scenario.name}")
+    _need(run.atlas_record, f"gaitflow atlas {scenario.name}")
     labels, costs = pd.read_parquet(run.labels), pd.read_parquet(run.gait_costs)
-    known, gaits = _atlas_of(run, transcribe(scenario))
-    nodes = node_labels(known, scenario.learning.tie_tolerance)
-    training = train_all(labels, costs, scenario.learning, constant, (nodes, gaits))
+    known, gaits = _atlas_of(run, scenario)
+    costs_known = KnownCosts(known, tuple(gaits), _domain(scenario, labels))
+    training = train_all(labels, costs, scenario.tasks.space.ranged, scenario.learning, constant, costs_known)
     data = training.as_data()
     if scenario.strategy.name == "guided":
         data["remarks"] = [*data["remarks"], GUIDED_REMARK]
@@ -122,49 +162,14 @@ def train(workspace: Workspace, scenario: Scenario, constant: bool) -> dict[str,
     return data
 
 
-def atlas(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
-    """Grow the solved tasks of every labelled gait into an atlas; writes it and how its predictors did."""
-    import pandas as pd
-
-    from gaitflow.atlas.grow import grow
-    from gaitflow.atlas.predictors import build_atlas, table
-    from gaitflow.core.domain import Domain
-    from gaitflow.core.gaits import Pattern
-    from gaitflow.dataset import load_solutions
-    from gaitflow.learn.warmstarts import region_means, winning_patterns
-    from gaitflow.problem import transcribe
-    from gaitflow.runtime.atlas import atlas_bytes
-
-    run = workspace.run(scenario)
-    _need(run.labels, f"gaitflow label {scenario.name}")
-    labels, problem, solutions = pd.read_parquet(run.labels), transcribe(scenario), load_solutions(run.solutions)
-    starts = region_means(labels, solutions, problem.layout.pack)
-    gaits = [start.gait for start in starts]
-    patterns = winning_patterns(labels, starts)
-    tasks = scenario.tasks
-    feasible = tuple(map(tuple, _feasible(labels).to_numpy(dtype=bool).tolist()))
-    domain = Domain(tasks.speed.values, tasks.cycle_duration.values, feasible)
-    grown = grow(problem, [Pattern.from_text(pattern) for pattern in patterns], solutions, domain.contains)
-    built, rows = build_atlas(grown, [gaits.index(gait) for gait in patterns.values()])
-    data = {
-        "gaits": gaits,
-        "nodes": {f"{gaits[sheet.gait]} {sheet.pattern}": len(sheet.places) for sheet in built.sheets},
-        "solves": grown.solves,
-        "modes": max((len(sheet.modes) for sheet in built.sheets), default=0),
-        "predictors": table(rows),
-    }
-    atomic_write(run.atlas, atlas_bytes(built))
-    write_json(run.predictors, data)
-    return data
-
-
 def publish(workspace: Workspace, scenario: Scenario, version: str | None) -> PublishedRun:
-    """Publish the dataset, then the map that was learnt from it, which has a version of its own.
+    """Publish the dataset and the map, each under a version of its own; the same content is not published twice.
 
-    The same content is not published twice. `version` is the map's, by default the next free one.
+    `version` is the map's. The dataset's is the next free one of its folder, and the map names it.
     """
     import pandas as pd
 
+    from gaitflow.atlas.patterns import map_symmetry
     from gaitflow.dataset import load_solutions
     from gaitflow.dataset.provenance import made_by
     from gaitflow.learn.warmstarts import region_means
@@ -176,18 +181,15 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None) -> Pu
 
     run = workspace.run(scenario)
     _need(run.learning, f"gaitflow train {scenario.name}")
-    _need(run.predictors, f"gaitflow atlas {scenario.name}")
-    learning = read_json(run.learning)
-    labels = pd.read_parquet(run.labels)
-    problem = transcribe(scenario)
-    solutions = load_solutions(run.solutions)
-    starts = region_means(labels, solutions, problem.layout.pack)
-    predictors = read_json(run.predictors)
-    known, gaits = _atlas_of(run, problem)
+    _need(run.atlas_record, f"gaitflow atlas {scenario.name}")
+    learning, record = read_json(run.learning), read_json(run.atlas_record)
+    labels, problem = pd.read_parquet(run.labels), transcribe(scenario)
+    starts = region_means(labels, load_solutions(run.solutions), problem.layout.pack, map_symmetry(scenario))
+    known, gaits = _atlas_of(run, scenario)
     dataset = publish_dataset(workspace.datasets, run.solutions, run.labels, run.gait_costs)
     parts = Parts(
         problem=problem,
-        feasible=_feasible(labels).to_numpy(dtype=bool),
+        feasible=_domain(scenario, labels).feasible,
         classifier=run.classifier.read_bytes(),
         classifier_kind=learning["method"],
         classes=learning["classes"],
@@ -195,7 +197,7 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None) -> Pu
         atlas=known.of([gaits.index(gait) for gait in learning["classes"]]),
         dataset={"name": scenario.name, "version": dataset.name},
         code=made_by(),
-        metrics=learning | {"atlas": predictors},
+        metrics=learning | {"atlas": record},
         solver_options=IPOPT_WARM,
     )
     model = publish_map(workspace.models, parts, version)
@@ -267,12 +269,12 @@ def summary(scenario: Scenario) -> dict[str, Any]:
     from gaitflow.search.exhaustive import candidate_patterns
     from gaitflow.store.units import plan_units
 
-    problem = transcribe(scenario)
+    problem, tasks = transcribe(scenario), tasks_of(scenario)
     return {
         "scenario": scenario.name,
         "robot": scenario.robot.name,
-        "tasks": len(tasks_of(scenario)),
-        "patterns": len(candidate_patterns(scenario)),
+        "tasks": len(tasks),
+        "patterns": max(len(candidate_patterns(scenario, task)) for task in tasks),
         "units": len(plan_units(scenario)),
         "variables": problem.layout.nw,
         "rows": problem.ng,
@@ -290,19 +292,31 @@ def read_json(path: Path) -> Any:
     return json.loads(path.read_bytes())
 
 
-def _atlas_of(run: Run, problem: GaitProblem) -> tuple[Atlas, list[str]]:
+def _atlas_of(run: Run, scenario: Scenario) -> tuple[Atlas, list[str]]:
     """The atlas of a run, and the names of its gaits."""
-    from gaitflow.publishing import runtime_layout
-    from gaitflow.runtime.atlas import parse_atlas
+    from gaitflow.problem import transcribe
+    from gaitflow.runtime.atlas_file import parse_atlas
 
-    gaits: list[str] = read_json(run.predictors)["gaits"]
-    return parse_atlas(run.atlas.read_bytes(), len(gaits), runtime_layout(problem), str(run.atlas)), gaits
+    gaits: list[str] = read_json(run.atlas_record)["gaits"]
+    problem, content = transcribe(scenario), run.atlas.read_bytes()
+    axes = scenario.tasks.space.ranged
+    return parse_atlas(content, axes, len(gaits), problem.layout, problem.ng, str(run.atlas)), gaits
 
 
-def _feasible(labels: pd.DataFrame) -> pd.DataFrame:
-    """Which tasks of the grid, speeds by cycle durations, have a feasible gait."""
-    grid = labels[labels["split"] == "grid"]
-    return grid.assign(ok=grid["status"] == "solved").pivot(index="speed", columns="cycle_duration", values="ok")
+def _domain(scenario: Scenario, labels: pd.DataFrame) -> Domain:
+    """The grid of a scenario, and which of its tasks have a feasible gait."""
+    import numpy as np
+
+    axes = {axis: values.values for axis, values in scenario.tasks.ranges.items()}
+    solved = labels[(labels["split"] == "grid") & (labels["status"] == "solved")]
+    feasible = np.zeros(tuple(map(len, axes.values())), dtype=bool)
+    for place in solved[list(axes)].itertuples(index=False, name=None):
+        feasible[tuple(values.index(value) for values, value in zip(axes.values(), place, strict=True))] = True
+    return Domain(axes, feasible)
+
+
+def _without_nan(data: dict[str, Any]) -> dict[str, Any]:
+    return {key: None if isinstance(value, float) and math.isnan(value) else value for key, value in data.items()}
 
 
 def _write_frame(path: Path, frame: pd.DataFrame) -> None:

@@ -42,13 +42,13 @@ class Run:
 
     @property
     def atlas(self) -> Path:
-        """Solved tasks of every gait, dense enough to predict starts between them; their gaits in `predictors`."""
+        """Solved tasks of every gait, from which costs and starts are predicted; its gaits in `atlas_record`."""
         return self.folder / "learning" / "atlas.safetensors"
 
     @property
-    def predictors(self) -> Path:
-        """The gaits of the atlas, in its order, and how the predictors of starts did."""
-        return self.folder / "learning" / "predictors.json"
+    def atlas_record(self) -> Path:
+        """The gaits of the atlas, in its order, how large it is, and how good its predictions are."""
+        return self.folder / "learning" / "atlas.json"
 
     @property
     def published(self) -> Path:

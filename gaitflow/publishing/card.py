@@ -1,4 +1,4 @@
-"""The model card, README.md of an artifact: written from the manifest and nothing else."""
+"""The model card, README.md of a map: written from the manifest and nothing else."""
 
 from __future__ import annotations
 
@@ -6,9 +6,17 @@ from collections.abc import Mapping
 from typing import Any
 
 from gaitflow.core.gaits import Pattern, diagram
+from gaitflow.core.task import AXES
 from gaitflow.runtime.manifest import TIME_FORMAT, Manifest
 
 _QUALITY = ("accuracy", "macro_f1", "top1_beyond_ties", "regret_mean", "regret_p95", "infeasible_rate")
+_MOTIONS = {
+    "euler": "forward Euler",
+    "rk4": "a Runge-Kutta step",
+    "midpoint": "the implicit midpoint rule",
+    "hermite_simpson": "a cubic and Simpson's rule",
+    "momentum": "momentum that is exact and a cubic",
+}
 
 
 def card(manifest: Manifest) -> str:
@@ -19,43 +27,41 @@ def card(manifest: Manifest) -> str:
 
 def _what(manifest: Manifest) -> str:
     scenario = manifest.scenario
-    robot, terrain, knots = scenario["robot"], scenario["terrain"], scenario["transcription"]
+    robot, knots, legs = scenario["robot"], scenario["transcription"], ", ".join(_legs(manifest))
     weights = ", ".join(f"{name} {weight:g}" for name, weight in scenario["objective"].items() if weight)
-    description, legs = scenario.get("description") or "A gait map.", ", ".join(manifest.layout.legs)
+    motion = f"{knots['integrator']}, {knots['forces']} forces"
+    description, axes = scenario.get("description") or "A gait map.", " and ".join(_named(manifest.domain.axes))
     return f"""# {manifest.name} {manifest.version}
 
 {description}
 
-For a task of forward speed and cycle duration it answers which gait costs least, and where an optimiser of that gait
-starts.
+For a task, {axes}, it answers which gait costs least, and where an optimiser of that gait starts.
 
 | | |
 | --- | --- |
 | robot | {robot["name"]}, {robot["dimension"]}D rigid body of {robot["mass"]:g} kg, legs {legs} |
-| terrain | slope {terrain["slope_deg"]:g} degrees, friction coefficient {terrain["friction"]:g} |
 | objective | weights: {weights} |
-| transcription | {knots["phases"]} phases of {knots["knots_per_phase"]} knots, {knots["integrator"]} |
+| transcription | {knots["phases"]} phases of {knots["knots_per_phase"]} knots, {motion} |
 | created | {manifest.created.strftime(TIME_FORMAT)} |
 | scenario | SHA-256 {manifest.scenario_digest} |
-| dataset | {_inline(manifest.dataset)} |
+| dataset | {manifest.dataset["name"]} {manifest.dataset["version"]} |
 """
 
 
 def _tasks(manifest: Manifest) -> str:
     domain = manifest.domain
-    feasible, total = sum(map(sum, domain.feasible)), len(domain.speeds) * len(domain.cycle_durations)
-    return f"""## Tasks
-
-Speed {_range(domain.speeds)} m/s, cycle duration {_range(domain.cycle_durations)} s. Of the {total} tasks of the grid
-{feasible} have a feasible gait.
-"""
+    rows = [f"| {_name(axis)} | {_range(values)} {_unit(axis)} |" for axis, values in domain.axes.items()]
+    rows += [f"| {_name(axis)} | {value:g} {_unit(axis)} |" for axis, value in manifest.space.fixed]
+    return "\n".join([
+        "## Tasks", "", "| axis | values |", "| --- | --- |", *rows, "",
+        f"Of the {domain.feasible.size} tasks of the grid {int(domain.feasible.sum())} have a feasible gait. All other "
+        "axes of a task have their defaults.", "",
+    ])  # fmt: skip
 
 
 def _gaits(manifest: Manifest) -> str:
-    rows = [
-        f"| {gait.name} | `{diagram(Pattern.from_text(gait.pattern), manifest.layout.legs)}` |"
-        for gait in manifest.gaits
-    ]
+    legs = _legs(manifest)
+    rows = [f"| {gait.name} | `{diagram(Pattern.from_text(gait.pattern), legs)}` |" for gait in manifest.gaits]
     return "\n".join([
         "## Gaits", "", "A row of digits a leg, a digit a phase, 1 is stance.", "",
         "| gait | pattern |", "| --- | --- |", *rows, "",
@@ -64,7 +70,10 @@ def _gaits(manifest: Manifest) -> str:
 
 def _quality(manifest: Manifest) -> str:
     """A row a method and a kind of tasks when the metrics have them; else the plain numbers."""
-    head = f"## Quality\n\nThe classifier is `{manifest.classifier_kind}`."
+    head = (
+        "## Quality\n\nWhat the map picks is the gait that its atlas predicts to cost least. The classifier, a "
+        f"`{manifest.classifier_kind}`, tells probabilities, and picks where the atlas knows nothing."
+    )
     judged = [
         (f"{row['method']}, {kind.replace('_', ' ')}", row[kind])
         for row in manifest.metrics.get("competitors", ())
@@ -73,9 +82,10 @@ def _quality(manifest: Manifest) -> str:
     ]
     if judged:
         published = manifest.metrics.get("published")
-        if isinstance(published, Mapping) and published.get("nodes"):
-            name = f"{manifest.classifier_kind} as published, fitted to {published['nodes']} nodes, too: held out"
-            judged.append((name, published["held_out"]))
+        if isinstance(published, Mapping) and published.get("atlas_tasks"):
+            fitted = f"fitted to {published['atlas_tasks']} tasks of the atlas, too"
+            judged.append((f"{manifest.classifier_kind} as published, {fitted}: held out", published["held_out"]))
+            judged.append(("**what the map picks: held out**", published["map_held_out"]))
         table = [f"| method | {' | '.join(name.replace('_', ' ') for name in _QUALITY)} |", "| --- " * 7 + "|"]
         table += [f"| {name} | {' | '.join(_number(values.get(key)) for key in _QUALITY)} |" for name, values in judged]
         note = (
@@ -91,58 +101,70 @@ def _starts(manifest: Manifest) -> str:
     atlas = manifest.metrics.get("atlas")
     if not isinstance(atlas, Mapping) or not atlas.get("nodes"):
         return ""
-    rows = [
-        f"| {row['predictor']} | {row['modes']} | {row['iterations_mean']:.2f} | {row['converged']} of {row['tasks']} |"
-        for row in atlas["predictors"]
-    ]
-    return "\n".join([
-        "## Starts", "",
-        f"The atlas holds {sum(atlas['nodes'].values())} solved tasks of {len(atlas['nodes'])} patterns, along "
-        f"{atlas['modes']} modes. Newton iterations from the prediction at tasks that are none of them:", "",
-        "| predictor | modes | iterations, mean | converged |", "| --- | --- | --- | --- |", *rows, "",
-    ])  # fmt: skip
+    judged = atlas["predictions"]
+    iterations, median, most = (
+        _number(judged[key]) for key in ("iterations_mean", "cost_error_median", "cost_error_p95")
+    )
+    return f"""## Starts
+
+The atlas holds {sum(atlas["nodes"].values())} solved tasks of {len(atlas["nodes"])} patterns with their tangents. From
+its predictions at {judged["tasks"]} random tasks Newton's method reached the optimum {judged["converged"]} times, in
+{iterations} iterations on average; predicted costs were off by {median} (median) and {most} (95th percentile), as a
+share.
+"""
 
 
 def _limits(manifest: Manifest) -> str:
-    integrator = {"euler": "forward Euler", "rk4": "a Runge-Kutta step"}.get(
-        manifest.scenario["transcription"]["integrator"], "one step"
-    )
+    motion = _MOTIONS.get(manifest.scenario["transcription"]["integrator"], "one step")
     return f"""## Limits
 
-- It holds for this robot, terrain and objective, and for periodic motion at a constant speed. Outside the tasks above
-  it says that it does not know.
+- It holds for this robot, ground and objective, and for periodic motion. Outside the tasks above it says that it does
+  not know.
 - Gaits are locally optimal: other minima may cost less. Neighbouring gaits may cost the same within a per mille.
 - The model is a rigid body with massless legs whose feet stay in boxes; between knots the motion is only as exact as
-  {integrator} with equal steps.
+  {motion}.
 - A warm start is a prediction: a start, not a motion to execute. Plans are checked at their knots.
-- `problem.casadi` is read by CasADi's native code: load an artifact only from a source you trust.
 """
 
 
 def _use(manifest: Manifest) -> str:
-    feasible = [
-        (v, t)
-        for v, row in zip(manifest.domain.speeds, manifest.domain.feasible, strict=True)
-        for t, inside in zip(manifest.domain.cycle_durations, row, strict=True)
-        if inside
-    ]
-    v, t = feasible[len(feasible) // 2] if feasible else (manifest.domain.speeds[0], manifest.domain.cycle_durations[0])
+    domain = manifest.domain
+    task = domain.middle if domain.feasible.any() else {axis: values[0] for axis, values in domain.axes.items()}
+    asked = ", ".join(f"{axis}={value:g}" for axis, value in task.items())
     return f"""## Use
 
 ```python
 from gaitflow.runtime import GaitMap
 
 gait_map = GaitMap.load("models/{manifest.name}/{manifest.version}")
-choice = gait_map.select(speed={v:g}, cycle_duration={t:g})
-plan = gait_map.plan(speed={v:g}, cycle_duration={t:g})  # needs gaitflow[solve]
+choice = gait_map.select({asked})
+plan = gait_map.plan({asked})  # needs gaitflow[solve]
 ```
 
-`gaitflow verify` checks the files, of which `manifest.json` lists the digests.
+`gaitflow verify` checks the files, of which `manifest.json` lists the digests. They are data: the problem of a plan is
+made anew from the manifest's scenario, and compared with `problem_check.safetensors`.
 
 ## Licence
 
 BSD-3-Clause, as gaitflow itself.
 """
+
+
+def _legs(manifest: Manifest) -> list[str]:
+    return [leg["name"] for leg in manifest.scenario["robot"]["legs"]]
+
+
+def _named(axes: Mapping[str, Any]) -> list[str]:
+    return [_name(axis) for axis in axes]
+
+
+def _name(axis: str) -> str:
+    return axis.replace("_", " ")
+
+
+def _unit(axis: str) -> str:
+    unit = AXES[axis].unit
+    return "" if unit == "1" else unit
 
 
 def _range(axis: tuple[float, ...]) -> str:
@@ -155,7 +177,3 @@ def _number(value: Any) -> str:
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
-
-
-def _inline(data: Mapping[str, Any]) -> str:
-    return ", ".join(f"{name} {value}" for name, value in data.items())

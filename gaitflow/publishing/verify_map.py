@@ -1,26 +1,29 @@
-"""Verifying an artifact whole: nothing missing, nothing foreign, no bit changed, every part fits, and it plans."""
+"""Verifying a map whole: nothing missing, nothing foreign, no bit changed, every part fits, and it plans."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from gaitflow.atlas.patterns import map_symmetry
 from gaitflow.config.file import ConfigError
 from gaitflow.config.scenario import Scenario, digest_of
 from gaitflow.core.errors import ArtifactError
 from gaitflow.core.gaits import Pattern, gait_of
-from gaitflow.core.names import gait_name
-from gaitflow.core.layout import layout_of
+from gaitflow.core.names import gait_kind, gait_name
+from gaitflow.publishing.versioned_folder import Finding, file_faults
 from gaitflow.runtime import GaitMap
+from gaitflow.runtime.artifact import load_artifact, load_atlas
+from gaitflow.runtime.atlas import Atlas
 from gaitflow.runtime.classifier import Classifier
-from gaitflow.runtime.files import ATLAS, CLASSIFIER, MANIFEST, PROBLEM, WARM_STARTS, read_checked
-from gaitflow.runtime.gait_map import load_atlas
-from gaitflow.runtime.manifest import CONTENT, Manifest, read_manifest
+from gaitflow.runtime.files import ATLAS, CLASSIFIER, CONTENT, MANIFEST, PROBLEM_CHECK, WARM_STARTS, read_checked
+from gaitflow.runtime.manifest import FORMAT, Manifest
+from gaitflow.runtime.manifest_file import read_manifest
 from gaitflow.runtime.problem import load_problem
 from gaitflow.runtime.tensors import GaitTensors, parse_tensors
 from gaitflow.runtime.versions import Version
@@ -29,22 +32,11 @@ PROBABILITY_SUM = 1e-4  # float32 probabilities of some hundred gaits add up to 
 START_OUTSIDE = 1e-6  # solvers leave bounds by less
 
 
-@dataclass(frozen=True)
-class Finding:
-    """One fault: the file it is in, and what is wrong."""
-
-    file: str
-    fault: str
-
-    def __str__(self) -> str:
-        return f"{self.file}: {self.fault}"
-
-
 def verify(path: Path, tasks: int = 4) -> list[Finding]:
-    """Every fault of the artifact in `path`, a version's folder; an empty list when it is sound.
+    """Every fault of the map in `path`, a version's folder; an empty list when it is sound.
 
-    Beside all files and what they hold, `tasks` grid tasks that the map calls feasible are planned. Raises ImportError
-    without CasADi, ArtifactError when `path` is no folder.
+    Beside all files and what they hold, `tasks` grid tasks that the map calls feasible are planned; not with a map of
+    formats 1 and 2, whose problem is code. Raises ImportError without CasADi, ArtifactError when `path` is no folder.
     """
     if not path.is_dir():
         raise ArtifactError(f"{path}: no such folder; give a version's folder such as models/<scenario>/1.0.0")
@@ -54,7 +46,7 @@ def verify(path: Path, tasks: int = 4) -> list[Finding]:
     manifest = read_manifest(path)
     if _is_version(path.name) and path.name != str(manifest.version):
         findings.append(Finding(MANIFEST, f"the folder is called {path.name}, the manifest says {manifest.version}"))
-    return findings + _planned(GaitMap.load(path), tasks)
+    return findings + (_planned(GaitMap.load(path), tasks) if manifest.format == FORMAT else [])
 
 
 def inspect(folder: Path) -> list[Finding]:
@@ -62,14 +54,19 @@ def inspect(folder: Path) -> list[Finding]:
     try:
         manifest = read_manifest(folder)
     except ArtifactError as error:
-        return [*_foreign(folder, CONTENT), Finding(MANIFEST, _without(folder, error))]
-    findings = _foreign(folder, manifest.files)
-    for name in manifest.files:
-        with _noted(findings, folder, name):
-            read_checked(folder, name, manifest.files[name])
+        return [*_foreign(folder), Finding(MANIFEST, _without(folder, error))]
+    findings = file_faults(folder, manifest.files)
     if findings:
         return findings
-    findings += _scenario_faults(manifest)
+    if manifest.format < FORMAT:
+        with _noted(findings, folder, MANIFEST):
+            load_artifact(folder)
+        return findings
+    try:
+        scenario = Scenario.from_data(dict(manifest.scenario), "scenario")
+    except ConfigError as error:
+        return [Finding(MANIFEST, str(error))]
+    findings += _scenario_faults(manifest, scenario)
     with _noted(findings, folder, CLASSIFIER):
         findings += _classifier_faults(folder, manifest)
     with _noted(findings, folder, WARM_STARTS):
@@ -77,9 +74,9 @@ def inspect(folder: Path) -> list[Finding]:
         tensors = parse_tensors(content, len(manifest.gaits), manifest.layout, str(folder / WARM_STARTS))
         findings += _tensor_faults(manifest, tensors)
         with _noted(findings, folder, ATLAS):
-            findings += _atlas_faults(folder, manifest)
-        with _noted(findings, folder, PROBLEM):
-            findings += _problem_faults(folder, manifest, tensors)
+            findings += _atlas_faults(load_atlas(folder, manifest, tensors.rows), manifest, scenario)
+        with _noted(findings, folder, PROBLEM_CHECK):
+            load_problem(folder, manifest, tensors.rows)
     return findings
 
 
@@ -99,33 +96,24 @@ def _without(folder: Path, error: ArtifactError) -> str:
     return text
 
 
-def _foreign(folder: Path, content: Iterable[str]) -> list[Finding]:
-    names = {entry.name for entry in folder.iterdir()}
-    return [
-        Finding(name, "does not belong to the artifact; remove it") for name in sorted(names - {MANIFEST, *content})
-    ]
+def _foreign(folder: Path) -> list[Finding]:
+    """Files that no map has; what of the others is missing only a manifest could tell."""
+    names = {entry.name for entry in folder.iterdir()} - {MANIFEST, *CONTENT}
+    return [Finding(name, "does not belong to the published files; remove it") for name in sorted(names)]
 
 
-def _scenario_faults(manifest: Manifest) -> list[Finding]:
+def _scenario_faults(manifest: Manifest, scenario: Scenario) -> list[Finding]:
     """The manifest's own parts against its scenario."""
-    try:
-        scenario = Scenario.from_data(dict(manifest.scenario), "scenario")
-    except ConfigError as error:
-        return [Finding(MANIFEST, str(error))]
-    robot, problem, layout = scenario.robot, layout_of(scenario), manifest.layout
+    legs, symmetry = scenario.robot.leg_names, map_symmetry(scenario)
     mine: dict[str, Any] = {
         "scenario_digest": digest_of(dict(manifest.scenario)),
-        "domain": (scenario.tasks.speed.values, scenario.tasks.cycle_duration.values),
-        "layout": (problem.phases, problem.knots_per_phase, robot.leg_names, problem.dimension, problem.nb, problem.nw),
+        "domain": {axis: values.values for axis, values in scenario.tasks.ranges.items()},
     }
-    theirs: dict[str, Any] = {
-        "scenario_digest": manifest.scenario_digest,
-        "domain": (manifest.domain.speeds, manifest.domain.cycle_durations),
-        "layout": (layout.phases, layout.knots_per_phase, layout.legs, layout.dimension, layout.base, layout.variables),
-    }
+    theirs: dict[str, Any] = {"scenario_digest": manifest.scenario_digest, "domain": dict(manifest.domain.axes)}
     for gait in manifest.gaits:
-        canonical = gait_of(Pattern.from_text(gait.pattern), robot.mirror_permutation)
-        mine[f"gait of {gait.pattern}"] = (gait_name(canonical, robot.leg_names), canonical.text)
+        canonical = gait_of(Pattern.from_text(gait.pattern), symmetry)
+        names = gait_name(canonical, legs), f"{gait_kind(canonical, legs)} {canonical.text}"
+        mine[f"gait of {gait.pattern}"] = (gait.name if gait.name in names else names[0], canonical.text)
         theirs[f"gait of {gait.pattern}"] = (gait.name, gait.key)
     return [
         Finding(MANIFEST, f"{name} is {theirs[name]}, but the scenario makes it {mine[name]}")
@@ -136,9 +124,10 @@ def _scenario_faults(manifest: Manifest) -> list[Finding]:
 
 def _classifier_faults(folder: Path, manifest: Manifest) -> list[Finding]:
     content = read_checked(folder, CLASSIFIER, manifest.files[CLASSIFIER])
-    classifier = Classifier(content, len(manifest.gaits), str(folder / CLASSIFIER))
-    v, t = np.meshgrid(manifest.domain.speeds, manifest.domain.cycle_durations)
-    probabilities = classifier(np.column_stack([v.ravel(), t.ravel()]).astype(np.float32)).astype(float)
+    axes = manifest.domain.axes
+    classifier = Classifier(content, len(axes), len(manifest.gaits), str(folder / CLASSIFIER))
+    tasks = np.stack([values.ravel() for values in np.meshgrid(*axes.values())], axis=1)
+    probabilities = classifier(tasks.astype(np.float32)).astype(float)
     if (probabilities >= 0).all() and np.abs(probabilities.sum(axis=1) - 1).max() <= PROBABILITY_SUM:
         return []
     return [Finding(CLASSIFIER, "its probabilities are not at least 0 with sum 1 at every task of the grid")]
@@ -146,56 +135,44 @@ def _classifier_faults(folder: Path, manifest: Manifest) -> list[Finding]:
 
 def _tensor_faults(manifest: Manifest, tensors: GaitTensors) -> list[Finding]:
     outside = np.maximum(tensors.lower_bounds - tensors.primal, tensors.primal - tensors.upper_bounds).max(axis=1)
-    findings = [
+    return [
         Finding(WARM_STARTS, f"the start of {gait.name} lies outside its bounds by {excess:.1e}")
         for gait, excess in zip(manifest.gaits, outside, strict=True)
         if excess > START_OUTSIDE
     ]
-    if (tensors.scale[slice(*manifest.layout.duration_slice)] != 1).any():
-        findings.append(Finding(WARM_STARTS, "the scale of the durations must be 1: they are fractions of the cycle"))
-    return findings
 
 
-def _atlas_faults(folder: Path, manifest: Manifest) -> list[Finding]:
+def _atlas_faults(atlas: Atlas, manifest: Manifest, scenario: Scenario) -> list[Finding]:
     """Nodes outside the map's domain, and sheets whose pattern is none of their gait's."""
-    atlas, domain, findings = load_atlas(folder, manifest), manifest.domain, []
-    scenario = Scenario.from_data(dict(manifest.scenario), "scenario")
+    domain, symmetry, findings = manifest.domain, map_symmetry(scenario), []
     for sheet in atlas.sheets:
         gait = manifest.gaits[sheet.gait]
-        if gait_of(Pattern.from_text(sheet.pattern), scenario.robot.mirror_permutation).text != gait.key:
+        if gait_of(Pattern.from_text(sheet.pattern), symmetry).text != gait.key:
             findings.append(Finding(ATLAS, f"the pattern {sheet.pattern} of a sheet is not the gait {gait.name}"))
-        tasks = [(atlas.speeds[i], atlas.cycle_durations[j]) for i, j in sheet.places.tolist()]
-        outside = [task for task in tasks if not domain.contains(*task)]
-        if outside:
-            v, t = outside[0]
-            findings.append(Finding(ATLAS, f"{gait.name} has a node at ({v:g} m/s, {t:g} s), outside the map's domain"))
+        inside = domain.contains_many(dict(zip(domain.axes, sheet.tasks.T, strict=True)))
+        if not inside.all():
+            place = dict(zip(domain.axes, sheet.tasks[~inside][0].tolist(), strict=True))
+            told = scenario.tasks.space.task(place).text(domain.axes)
+            findings.append(Finding(ATLAS, f"{gait.name} has a node at {told}, outside the map's domain"))
     return findings
-
-
-def _problem_faults(folder: Path, manifest: Manifest, tensors: GaitTensors) -> list[Finding]:
-    problem = load_problem(folder, manifest)
-    task = [manifest.domain.speeds[0], manifest.domain.cycle_durations[0]]
-    return [
-        Finding(PROBLEM, f"cost or rows at the start of {gait.name} are not finite")
-        for gait, primal in zip(manifest.gaits, tensors.primal, strict=True)
-        if not all(np.isfinite(np.asarray(value)).all() for value in problem(primal, task))
-    ]
 
 
 def _planned(gait_map: GaitMap, tasks: int) -> list[Finding]:
     """Plans for some of the feasible grid tasks, evenly spread."""
     domain = gait_map.manifest.domain
     grid = [
-        (v, t) for v, row in zip(domain.speeds, domain.feasible, strict=True)
-        for t, feasible in zip(domain.cycle_durations, row, strict=True) if feasible
-    ]  # fmt: skip
+        place
+        for place, feasible in zip(product(*domain.axes.values()), domain.feasible.ravel(), strict=True)
+        if feasible
+    ]
     findings = []
     for index in np.unique(np.linspace(0, len(grid) - 1, min(tasks, len(grid))).round().astype(int)):
-        v, t = grid[index]
-        plan = gait_map.plan(v, t)
+        task = dict(zip(domain.axes, grid[index], strict=True))
+        plan = gait_map.plan(**task)
         if not plan.feasible:
             tried = "; ".join(f"{gait} {outcome}" for gait, outcome in plan.tried)
-            findings.append(Finding(PROBLEM, f"no feasible plan for task ({v:g} m/s, {t:g} s): {tried}"))
+            asked = gait_map.manifest.space.task(task).text(domain.axes)
+            findings.append(Finding(ATLAS, f"no feasible plan for {asked}: {tried}"))
     return findings
 
 

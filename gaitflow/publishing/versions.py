@@ -1,4 +1,4 @@
-"""Which versions of a map are published, and which number the next one takes."""
+"""Which versions of a map are published."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from datetime import datetime
 from pathlib import Path
 
 from gaitflow.core.errors import ArtifactError
-from gaitflow.runtime.manifest import read_manifest
+from gaitflow.runtime.manifest_file import read_manifest
 from gaitflow.runtime.versions import Version, versions_in
 
 
@@ -29,12 +29,6 @@ def newest(folder: Path) -> Published | None:
     """The version with the highest number in `models/<scenario>`, or None."""
     found = published(folder)
     return found[-1] if found else None
-
-
-def next_version(folder: Path) -> Version:
-    """1.0.0, then the next minor version of the newest: the map changed, how it is read did not."""
-    versions = versions_in(folder)
-    return Version(versions[-1].major, versions[-1].minor + 1, 0) if versions else Version(1, 0, 0)
 
 
 def _listed(path: Path, version: Version) -> Published:

@@ -19,7 +19,7 @@ RESULTS = (
     "labels.parquet",
     "gait_costs.parquet",
     "learning/atlas.safetensors",
-    "learning/predictors.json",
+    "learning/atlas.json",
     "learning/learning.json",
     "learning/classifier.onnx",
     "published.json",

@@ -2,8 +2,9 @@ rule atlas:
     input:
         "runs/{scenario}/solutions.parquet",
         "runs/{scenario}/labels.parquet",
+        "runs/{scenario}/gait_costs.parquet",
     output:
         "runs/{scenario}/learning/atlas.safetensors",
-        "runs/{scenario}/learning/predictors.json",
+        "runs/{scenario}/learning/atlas.json",
     shell:
         "gaitflow atlas {wildcards.scenario}"

@@ -2,10 +2,11 @@ rule publish:
     input:
         "runs/{scenario}/solutions.parquet",
         "runs/{scenario}/labels.parquet",
+        "runs/{scenario}/gait_costs.parquet",
         "runs/{scenario}/learning/learning.json",
         "runs/{scenario}/learning/classifier.onnx",
         "runs/{scenario}/learning/atlas.safetensors",
-        "runs/{scenario}/learning/predictors.json",
+        "runs/{scenario}/learning/atlas.json",
     output:
         "runs/{scenario}/published.json",
     shell:

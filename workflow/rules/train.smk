@@ -3,7 +3,7 @@ rule train:
         "runs/{scenario}/labels.parquet",
         "runs/{scenario}/gait_costs.parquet",
         "runs/{scenario}/learning/atlas.safetensors",
-        "runs/{scenario}/learning/predictors.json",
+        "runs/{scenario}/learning/atlas.json",
         part("learning"),
     output:
         "runs/{scenario}/learning/learning.json",
