@@ -2,7 +2,7 @@
 
 A cost is off by an error that falls with the knots in a phase, and by another one for every gait. So the cheapest gait
 and the runner-up are solved once more with twice the knots. Where their costs there lie farther apart than what may be
-left of their errors, or closer than the tolerance within which gaits are said to tie, the task is settled; otherwise
+left of their errors, or closer than TIE, the task is settled; otherwise
 they and every other gait that the error may hide are solved with four times the knots, and at last with MOST_KNOTS.
 
 Scenarios with Euler's rule are left as they are: the paper's section III.B takes its 10 knots for granted.
@@ -26,6 +26,7 @@ from gaitflow.search.solution import Solution
 from gaitflow.solvers.fixed_gait import FixedGaitSolver, Multipliers, Start
 
 MOST_KNOTS = 50  # a phase, on the finest mesh
+TIE = 1e-3  # relative cost within which gaits tie, as learning.tie_tolerance is unless a scenario says otherwise
 
 
 class Refinement:
@@ -51,7 +52,7 @@ class Refinement:
         gaits = _cheapest_of_each_gait(rows)
         asked = gaits[:2]
         for knots in self.meshes:
-            asked = [self._refined(task, row, knots) for row in asked]
+            asked = [self.on_mesh(task, row, knots) for row in asked]
             for row in asked:
                 result[places[row.pattern]] = row
             if len(asked) < 2 or any(row.refined_knots != knots for row in asked) or self._settled(asked):
@@ -62,29 +63,35 @@ class Refinement:
         return result
 
     def _settled(self, rows: Sequence[Solution]) -> bool:
-        """Whether the finer mesh says which of the rows is cheapest, or that the first two tie."""
+        """Whether the finer mesh says which of the rows is cheapest, or that the first two tie.
+
+        A unit of work, which has to depend on the search alone, does not know the learning's tolerance: hence TIE.
+        """
         first, second = sorted(rows, key=lambda row: (row.refined_cost, row.pattern))[:2]
         margin = (second.refined_cost - first.refined_cost) / abs(first.refined_cost)
         errors = [error_left(row.cost, self._knots, row.refined_cost, row.refined_knots) for row in (first, second)]
-        return margin <= self._scenario.learning.tie_tolerance or margin > max(errors)
+        return margin <= TIE or margin > max(errors)
 
-    def _refined(self, task: Task, row: Solution, knots: int) -> Solution:
-        """The row with its cost on a mesh; without it when no motion was found there. The effort counts either way."""
+    def on_mesh(self, task: Task, row: Solution, knots: int) -> Solution:
+        """The row with its cost on a finer mesh; without it when no motion was found there. The effort counts."""
         solver = self._solver(knots)
         assert row.trajectory is not None
-        problem = solver.problem
-        start = problem.layout.pack(on_mesh(row.trajectory, self._layout, problem.layout), task.cycle_duration)
+        problem, pattern = solver.problem, Pattern.from_text(row.pattern)
+        w = problem.layout.pack(interpolated(row.trajectory, self._layout, problem.layout), task.cycle_duration)
         # Multipliers of 0 stand for unknown ones, and keep the solver near its start: in the same local optimum.
         unknown = Multipliers(np.zeros(problem.layout.nw), np.zeros(problem.ng))
-        attempt = solver.solve(Pattern.from_text(row.pattern), task, Start("coarser", start, unknown))
+        attempts = [solver.solve(pattern, task, Start("coarser", w, unknown))]
+        if not attempts[0].feasible:
+            attempts.append(solver.solve(pattern, task, Start("coarser", w)))
         spent = replace(
             row,
-            iterations=row.iterations + attempt.iterations,
-            solves=row.solves + 1,
-            wall_s=row.wall_s + attempt.wall_s,
-            cpu_s=row.cpu_s + attempt.cpu_s,
+            iterations=row.iterations + sum(attempt.iterations for attempt in attempts),
+            solves=row.solves + len(attempts),
+            wall_s=row.wall_s + sum(attempt.wall_s for attempt in attempts),
+            cpu_s=row.cpu_s + sum(attempt.cpu_s for attempt in attempts),
         )
-        return replace(spent, refined_cost=attempt.cost, refined_knots=knots) if attempt.feasible else spent
+        found = attempts[-1]
+        return replace(spent, refined_cost=found.cost, refined_knots=knots) if found.feasible else spent
 
     def _solver(self, knots: int) -> FixedGaitSolver:
         if knots not in self._solvers:
@@ -94,7 +101,7 @@ class Refinement:
         return self._solvers[knots]
 
 
-def on_mesh(motion: Trajectory, given: Layout, wanted: Layout) -> Trajectory:
+def interpolated(motion: Trajectory, given: Layout, wanted: Layout) -> Trajectory:
     """A motion with the same phases on a mesh with other knots: a start for a solve there.
 
     Positions are those of the cubic through both ends' velocities, all else runs linearly between the knots. No force
