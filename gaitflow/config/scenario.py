@@ -62,7 +62,7 @@ class Transcription(Config):
     knots_per_phase: Annotated[int, Field(ge=2, le=50)] = 10
     integrator: Literal["euler", "rk4", "midpoint", "hermite_simpson", "momentum"] = "euler"
     forces: Literal["held", "linear"] = "held"  # over one step
-    grading: Annotated[float, Field(ge=0, le=2)] = 0.0  # knots in a phase; 0: even, 1: by a cosine, 2: by its cosine
+    grading: Annotated[float, Field(ge=0, le=1)] = 0.0  # 0: even knots, 1: spaced by a cosine within each phase
     min_phase_fraction: Annotated[float, Field(gt=0, lt=1)] = 0.1
 
     @model_validator(mode="after")

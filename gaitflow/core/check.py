@@ -57,7 +57,7 @@ def violations(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task, 
     limited = angles[:, 1:] if body.dimension == 3 and _varies(scenario, "yaw_rate") else angles
     box = _largest_of(body.box_excess(position, angles, feet))
     if settings["integrator"] != "euler":
-        box = max(box, _box_in_the_middle(body, trajectory, h, np.tile(shares >= 1 / n - 1e-12, len(h) // n)))
+        box = max(box, _box_in_the_middle(body, trajectory, h))
     closing = _closing(body, trajectory, task)
     lift = float(-body.default_feet[:, -1].min() + body.box[-1])
     return {
@@ -150,14 +150,14 @@ def _closing(body: RigidBody, trajectory: Trajectory, task: Task) -> float:
     )
 
 
-def _box_in_the_middle(body: RigidBody, trajectory: Trajectory, h: Array, chosen: Mask) -> float:
-    """Eq. (5) in the middle of the chosen steps, on the cubic through both knots; feet move linearly."""
+def _box_in_the_middle(body: RigidBody, trajectory: Trajectory, h: Array) -> float:
+    """Eq. (5) in the middle of each step, on the cubic through both knots; feet move linearly."""
     position, angles, velocity, omega = body.split(trajectory.base)
     rates = Attitude(angles).rates(omega)
-    eighth = h[chosen, None] / 8
-    feet = (trajectory.feet[:-1] + trajectory.feet[1:])[chosen] / 2
+    eighth = h[:, None] / 8
+    feet = (trajectory.feet[:-1] + trajectory.feet[1:]) / 2
     middle = [
-        (value[:-1] + value[1:])[chosen] / 2 + eighth * (rate[:-1] - rate[1:])[chosen]
+        (value[:-1] + value[1:]) / 2 + eighth * (rate[:-1] - rate[1:])
         for value, rate in ((position, velocity), (angles, rates))
     ]
     return _largest_of(body.box_excess(middle[0], middle[1], feet))

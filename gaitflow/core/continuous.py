@@ -73,16 +73,13 @@ def step_gaps(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task) -
 
 
 def step_shares(settings: Mapping[str, Any]) -> Array:
-    """What part of its phase each step lasts; `settings` is a scenario's `transcription`.
+    """What part of its phase each step lasts: a mixture of even knots and of the projections of even arcs.
 
-    Knots lie between even ones (grading 0), the projections of even arcs on a diameter (1), and the projections of
-    those taken as arcs (2).
+    `settings` is a scenario's `transcription`.
     """
     n, grading = int(settings["knots_per_phase"]), float(settings.get("grading", 0.0))
-    coarse = np.arange(n + 1) / n
-    while grading > 1:
-        coarse, grading = np.sin(np.pi / 2 * coarse) ** 2, grading - 1
-    return np.diff(coarse + grading * (np.sin(np.pi / 2 * coarse) ** 2 - coarse))
+    even = np.arange(n + 1) / n
+    return np.diff((1 - grading) * even + grading * np.sin(np.pi / 2 * even) ** 2)
 
 
 @dataclass(frozen=True)

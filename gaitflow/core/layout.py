@@ -26,8 +26,7 @@ class Layout:
     x = (position d, angles a, velocity d, angular velocity a, feet legs*d); u = (forces legs*d, foot velocities
     legs*d); legs in the robot's order, coordinates fastest. `linear_forces`: a force runs linearly within a step, from
     its value at the step's start to that at the start of the next one; the last of a phase has a value of its own.
-    `grading`: how much finer knots are at the ends of a phase, from 0 (equal steps) over 1 (spaced by a cosine) to 2
-    (by the cosine of that).
+    `grading` from 0 (equal steps) to 1 (spaced by a cosine): how much finer knots are at the ends of a phase.
     """
 
     dimension: int
@@ -91,10 +90,8 @@ class Layout:
     def shares(self) -> Array:
         """What part of its phase each step lasts [knots_per_phase]; they sum to 1."""
         even = np.linspace(0.0, 1.0, self.knots_per_phase + 1)
-        once = (1 - np.cos(np.pi * even)) / 2
-        twice = (1 - np.cos(np.pi * once)) / 2
-        more = max(self.grading - 1.0, 0.0)
-        shares: Array = np.diff(more * twice + (1 - more) * once if more else even + self.grading * (once - even))
+        cosine = (1 - np.cos(np.pi * even)) / 2
+        shares: Array = np.diff((1 - self.grading) * even + self.grading * cosine)
         return shares
 
     def phase_of(self, step: int) -> int:

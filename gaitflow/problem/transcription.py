@@ -40,8 +40,8 @@ class GaitProblem:
 
     nlp: (w [nw], task [axes]) -> (cost [1], rows [ng]); the task's values are in the order and units of AXES.
     minlp: (w [nw + legs*phases], task [axes]) -> (cost [1], rows [ng_minlp]); the contacts follow w, leg-major.
-    Rows come in groups: defects [K, nx], foot offsets at knots [K, legs*d] and in the middle of long steps
-    [middles, legs*d], friction [force nodes, legs*2(d-1)], periodicity [nx], cycle [1]; the minlp has big-M rows
+    Rows come in groups: defects [K, nx], foot offsets at knots [K, legs*d] and, but for euler, in the middle of steps
+    [K, legs*d], friction [force nodes, legs*2(d-1)], periodicity [nx], cycle [1]; the minlp has big-M rows
     [K, legs*(2d+2)], those of end forces [phases, legs], and, with one stance per leg, stance rows after them.
     """
 
@@ -117,12 +117,6 @@ def transcribe(scenario: Scenario) -> GaitProblem:
     return GaitProblem(scenario, layout, nlp, scale)
 
 
-def long_steps(layout: Layout) -> tuple[int, ...]:
-    """The steps at whose middle feet have to be in their boxes, too: those not shorter than the mean of a phase."""
-    long = layout.shares >= 1 / layout.knots_per_phase - 1e-12
-    return tuple(step for step in range(layout.steps) if long[step % layout.knots_per_phase])
-
-
 def _cost_scale(scenario: Scenario, layout: Layout) -> float:
     """A cost of order one for the solver: the largest weight, forces over the robot's weight."""
     weights = scenario.objective.as_data()
@@ -169,7 +163,6 @@ def _terms(scenario: Scenario, layout: Layout, w: ca.SX, parameters: ca.SX) -> t
     nodes = _Nodes(layout, w, body_of(robot, task))
     fractions, cycle = w[layout.fractions], task["cycle_duration"]
     times = _times(layout, fractions, cycle)
-    middles = set() if rule == "euler" else set(long_steps(layout))
 
     cost, defects, offsets, between, cones = ca.SX(0), [], [], [], []
     for k in range(layout.steps):
@@ -181,7 +174,7 @@ def _terms(scenario: Scenario, layout: Layout, w: ca.SX, parameters: ca.SX) -> t
         velocities = w[layout.control(k)][layout.legs * layout.dimension :]
         defects += [base_defects(rule, start, end, h), moved - h * velocities]
         offsets.append(kinematics.foot_offsets(robot, start.position, start.angles, start.feet))
-        if k in middles:
+        if rule != "euler":
             between.append(_middle_offsets(scenario, start, end, h))
         cones.append(friction.friction_rows(task["friction"], [w[layout.force(k, leg)] for leg in range(layout.legs)]))
         if layout.linear_forces and (k + 1) % layout.knots_per_phase == 0:
@@ -259,8 +252,8 @@ def _physical_bounds(scenario: Scenario, layout: Layout) -> Bounds:
     start = layout.state(0).start
     lower[start : start + fixed] = upper[start : start + fixed] = 0.0
 
-    middles = 0 if scenario.transcription.integrator == "euler" else len(long_steps(layout))
-    box = np.tile(robot.box, (layout.steps + middles) * layout.legs)
+    looks = layout.steps if scenario.transcription.integrator == "euler" else 2 * layout.steps
+    box = np.tile(robot.box, looks * layout.legs)
     cones = _force_nodes(layout) * layout.legs * 2 * (d - 1)
     defects, closing = np.zeros(layout.steps * layout.nx), np.zeros(layout.nx + 1)
     return Bounds(

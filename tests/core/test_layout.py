@@ -19,7 +19,7 @@ layouts = st.builds(
     knots_per_phase=st.integers(2, 5),
     weight=st.floats(1.0, 1e3),
     linear_forces=st.booleans(),
-    grading=st.floats(0.0, 2.0),
+    grading=st.floats(0.0, 1.0),
 )
 
 
@@ -108,7 +108,7 @@ def test_knots_split_each_phase_evenly() -> None:
     assert times == pytest.approx([0.0, 0.1, 0.2, 0.5, 0.8, 0.85, 0.9])
 
 
-@pytest.mark.parametrize("grading", [0.7, 1.3, 2.0])
+@pytest.mark.parametrize("grading", [0.3, 0.7, 1.0])
 def test_graded_knots_are_finer_at_both_ends_of_a_phase(grading: float) -> None:
     layout = Layout(2, 1, 2, 10, 1.0, grading=grading)
     assert layout.shares.sum() == pytest.approx(1.0)
@@ -119,10 +119,9 @@ def test_graded_knots_are_finer_at_both_ends_of_a_phase(grading: float) -> None:
 
 
 def test_the_first_step_by_hand() -> None:
-    """Of ten: even a tenth, by a cosine (1 - cos 18 degrees) / 2, by its cosine once more the same of that."""
-    once = (1 - np.cos(np.pi / 10)) / 2
-    twice = (1 - np.cos(np.pi * once)) / 2
-    expected = {0.0: 0.1, 0.7: 0.03 + 0.7 * once, 1.0: once, 1.3: 0.7 * once + 0.3 * twice, 2.0: twice}
+    """Of ten: even a tenth, by a cosine (1 - cos 18 degrees) / 2."""
+    cosine = (1 - np.cos(np.pi / 10)) / 2
+    expected = {0.0: 0.1, 0.7: 0.03 + 0.7 * cosine, 1.0: cosine}
     for grading, share in expected.items():
         assert Layout(2, 1, 2, 10, 1.0, grading=grading).shares[0] == pytest.approx(share)
 

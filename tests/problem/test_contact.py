@@ -7,10 +7,13 @@ import pytest
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern
+from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.problem import GaitProblem, transcribe
 from gaitflow.problem.contact import fix_contacts, highest_lift, one_stance_rows
 from gaitflow.search import starts
+
+TASK = Task.of({"speed": 1.0, "cycle_duration": 0.6, "slope": 15.0})
 
 
 @pytest.mark.parametrize("phases", [2, 3, 4, 5, 6, 7])
@@ -29,8 +32,10 @@ def test_one_stance_rows_treat_legs_apart() -> None:
     np.testing.assert_array_equal(rows, np.kron(np.eye(2), single[0]))
 
 
-def test_contacts_fix_what_eq_7_says_and_nothing_else(either: Scenario) -> None:
-    problem = transcribe(either)
+@pytest.mark.parametrize("forces", ["held", "linear"])
+def test_contacts_fix_what_eq_7_says_and_nothing_else(either: Scenario, forces: str) -> None:
+    transcription = either.transcription.model_copy(update={"forces": forces})
+    problem = transcribe(either.model_copy(update={"transcription": transcription}))
     layout = problem.layout
     pattern = Pattern(("0110", "1000", "1111", "0000")[: layout.legs])
     lower, upper = np.full(layout.nw, -np.inf), np.full(layout.nw, np.inf)
@@ -44,7 +49,9 @@ def test_contacts_fix_what_eq_7_says_and_nothing_else(either: Scenario) -> None:
     for leg, row in enumerate(pattern.rows):
         stands = np.repeat([digit == "1" for digit in row], n)
         on_ground = np.append(stands, False) | np.append(False, stands)  # both ends of each stance step
+        on_ground[[0, -1]] = on_ground[0] or on_ground[-1]  # one place of the cycle
         assert (trajectory.forces[:, leg] == ~stands[:, None]).all()
+        assert (trajectory.end_forces[:, leg] == ~stands[:, None]).all()
         assert (trajectory.foot_velocities[:, leg] == stands[:, None]).all()
         assert (trajectory.feet[:, leg, -1] == on_ground).all()
         assert not trajectory.feet[:, leg, :-1].any()
@@ -55,7 +62,7 @@ def test_contacts_fix_what_eq_7_says_and_nothing_else(either: Scenario) -> None:
 def _walking_like(problem: GaitProblem, pattern: Pattern) -> Array:
     """A point w within the physical bounds whose contacts are exactly those of the pattern; not a motion."""
     layout = problem.layout
-    w = starts.nominal(problem.scenario.robot, layout, 1.0, 0.6)
+    w = starts.nominal(problem.scenario.robot, layout, TASK)
     for step in range(layout.steps):
         for leg, stands in enumerate(pattern.column(layout.phase_of(step))):
             w[layout.foot_velocity(step, leg) if stands else layout.force(step, leg)] = 0.0
@@ -79,7 +86,7 @@ def test_big_m_rows_and_bounds_switch_the_same_conditions(either: Scenario) -> N
     passed = set()
     for pattern in patterns:
         contacts = [float(digit) for row in pattern.rows for digit in row]
-        rows = problem.minlp(np.append(w, contacts), [1.0, 0.6])[1].full().ravel()[big_m]
+        rows = problem.minlp(np.append(w, contacts), TASK.parameters)[1].full().ravel()[big_m]
         lower, upper = np.full(layout.nw, -np.inf), np.full(layout.nw, np.inf)
         fix_contacts(layout, pattern, lower, upper)
         # A stance's last knot belongs to the next phase: there the foot's velocity, not a row, keeps it down.
@@ -101,7 +108,7 @@ def test_big_m_rows_cut_nothing_off_that_the_pattern_allows(either: Scenario, st
     bounds = problem.minlp_bounds()
     for limit in (bounds.lower, bounds.upper):
         w = np.append(np.where(np.isfinite(limit[: layout.nw]), limit[: layout.nw], 0.0), [stands] * 4 * layout.legs)
-        rows = problem.minlp(w, [1.0, 0.6])[1].full().ravel()
+        rows = problem.minlp(w, TASK.parameters)[1].full().ravel()
         width = 2 * layout.dimension + 2
         big_m = rows[problem.ng : problem.ng + layout.steps * layout.legs * width].reshape(-1, width)
         assert (big_m[:, :1] if stands else big_m[:, 1:]).max() <= 1e-12

@@ -3,18 +3,18 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 from scipy.spatial.transform import Rotation
+from terms import layout_of, numbers
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.trajectory import Array
 from gaitflow.problem.kinematics import foot_offsets
-from gaitflow.core.layout import layout_of
 
 
 def _offsets(scenario: Scenario, x: Array) -> Array:
     layout = layout_of(scenario)
-    symbol = ca.SX.sym("x", layout.nx)
-    offsets = ca.Function("offsets", [symbol], [foot_offsets(scenario.robot, layout, symbol)])(x).full()
-    return offsets.reshape(layout.legs, layout.dimension)
+    d, a = layout.dimension, layout.angles
+    feet = [ca.SX(ca.DM(foot)) for foot in x[layout.nb :].reshape(layout.legs, d)]
+    return numbers(foot_offsets(scenario.robot, ca.SX(ca.DM(x[:d])), ca.SX(ca.DM(x[d : d + a])), feet)).reshape(-1, d)
 
 
 def test_a_foot_fixed_to_the_base_stays_at_its_offset(either: Scenario) -> None:

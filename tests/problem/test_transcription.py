@@ -3,30 +3,34 @@ from __future__ import annotations
 import casadi as ca
 import numpy as np
 import pytest
+from terms import with_axes
 
 from gaitflow.config.scenario import Objective, Scenario, Transcription
 from gaitflow.core.gaits import Pattern
+from gaitflow.core.task import AXIS_NAMES, Task
 from gaitflow.core.trajectory import Array
 from gaitflow.problem import GaitProblem, transcribe
 from gaitflow.search import starts
 
-TASK = np.array([0.8, 0.6])
+SLOPED = Task.of({"speed": 0.8, "cycle_duration": 0.6, "slope": 15.0, "acceleration": 0.3})
+TASK = SLOPED.parameters
 
 
-@pytest.fixture
-def problem(either: Scenario) -> GaitProblem:
-    """Every term of the cost at work, classical Runge-Kutta steps: the most nonlinear program there is."""
-    lateral = 4.0 if either.robot.dimension == 3 else 0.0
+@pytest.fixture(params=["rk4", "momentum"])
+def problem(either: Scenario, request: pytest.FixtureRequest) -> GaitProblem:
+    """Every term of the cost and every axis at work, by the most nonlinear step and by the exact one."""
+    spatial = either.robot.dimension == 3
     objective = Objective(
-        force=1e-3, tangential_velocity=2.0, normal_velocity=3.0, tilt=5.0, tilt_rate=7.0, lateral_foot=lateral
+        force=1e-3, tangential_velocity=2.0, normal_velocity=3.0, tilt=5.0, tilt_rate=7.0, lateral_foot=4.0 * spatial
     )
-    transcription = Transcription(knots_per_phase=3, integrator="rk4")
-    return transcribe(either.model_copy(update={"objective": objective, "transcription": transcription}))
+    transcription = Transcription(knots_per_phase=3, integrator=request.param, forces="linear", grading=0.7)
+    scenario = with_axes(either, acceleration=0.3, **({"lateral_speed": 0.1} if spatial else {}))
+    return transcribe(scenario.model_copy(update={"objective": objective, "transcription": transcription}))
 
 
 def _somewhere(problem: GaitProblem, seed: int = 0) -> Array:
     rng = np.random.default_rng(seed)
-    return starts.random(problem.scenario.robot, problem.layout, *TASK, rng)
+    return starts.random(problem.scenario.robot, problem.layout, SLOPED, rng)
 
 
 def _pattern(problem: GaitProblem) -> Pattern:
@@ -69,22 +73,64 @@ def test_second_derivatives_match_finite_differences(problem: GaitProblem) -> No
 def test_the_cost_is_the_euler_sum_of_the_integrand(planar: Scenario) -> None:
     """Eq. (9) written out in numpy on a random trajectory, times the step of each phase."""
     problem = transcribe(planar)
-    w, (speed, cycle) = _somewhere(problem), TASK
-    trajectory = problem.layout.unpack(w, cycle)
+    w = _somewhere(problem)
+    trajectory = problem.layout.unpack(w, SLOPED.cycle_duration)
     v_t, v_n, pitch, rate = (trajectory.base[:-1, index] for index in (3, 4, 2, 5))
-    expected = np.diff(trajectory.times) @ (1e6 * ((v_t - speed) ** 2 + v_n**2 + pitch**2 + rate**2))
+    expected = np.diff(trajectory.times) @ (1e6 * ((v_t - SLOPED.speed) ** 2 + v_n**2 + pitch**2 + rate**2))
     assert float(problem.nlp(w, TASK)[0]) * problem.cost_scale == pytest.approx(expected)
 
 
-def test_one_program_serves_every_task(planar: Scenario) -> None:
-    """Speed and cycle duration are parameters: they move the periodicity rows and the steps, and no bound."""
+def test_one_program_serves_every_speed(planar: Scenario) -> None:
+    """Speed is a parameter: it moves the periodicity rows, and no bound."""
     problem = transcribe(planar)
     layout, w = problem.layout, _somewhere(problem)
-    rows = [problem.nlp(w, task)[1].full().ravel() for task in ([0.8, 0.6], [1.8, 0.6])]
+    rows = [problem.nlp(w, SLOPED.replaced(speed=v).parameters)[1].full().ravel() for v in (0.8, 1.8)]
     changed = np.flatnonzero(rows[0] != rows[1])
     closing = problem.ng - 1 - layout.nx
     assert list(changed) == [closing, closing + layout.nb, closing + layout.nb + 2]
     np.testing.assert_allclose(rows[1][changed] - rows[0][changed], -0.6)
+
+
+def test_every_axis_that_varies_is_a_parameter_and_no_other(anymal: Scenario) -> None:
+    """An axis fixed at 0 is no part of the program; any other moves it."""
+    turning = with_axes(anymal, yaw_rate={"start": -1.0, "stop": 1.0, "count": 3}, lateral_speed=0.1)
+    few = Transcription(knots_per_phase=2, integrator="momentum", forces="linear")
+    problem = transcribe(turning.model_copy(update={"transcription": few}))
+    w = starts.random(problem.scenario.robot, problem.layout, SLOPED, np.random.default_rng(0))
+    task = Task.of({"speed": 0.8, "cycle_duration": 0.6, "yaw_rate": 0.5, "lateral_speed": 0.1})
+    before = [part.full().ravel() for part in problem.nlp(w, task.parameters)]
+    moved = set()
+    for index, axis in enumerate(AXIS_NAMES):
+        values = task.parameters
+        values[index] += 0.05
+        after = [part.full().ravel() for part in problem.nlp(w, values)]
+        if any((a != b).any() for a, b in zip(before, after, strict=True)):
+            moved.add(axis)
+    assert moved == {"speed", "lateral_speed", "yaw_rate", "cycle_duration", "friction"}
+
+
+def test_a_body_that_turns_may_turn_as_far_as_it_likes(anymal: Scenario) -> None:
+    pattern = Pattern.from_text("0110/1001/1001/0110")
+    turning = with_axes(anymal, yaw_rate={"start": -1.0, "stop": 1.0, "count": 3})
+    for scenario, limited in ((anymal, [0, 1, 2]), (turning, [1, 2])):
+        problem = transcribe(scenario)
+        bounds, layout = problem.bounds(pattern), problem.layout
+        for knot in (0, 17, layout.steps):
+            angles = slice(layout.state(knot).start + 3, layout.state(knot).start + 6)
+            assert list(np.flatnonzero(np.isfinite(bounds.upper[angles]))) == limited
+            assert list(np.flatnonzero(np.isfinite(bounds.lower[angles]))) == limited
+
+
+@pytest.mark.parametrize("grading", [0.0, 0.7])
+def test_steps_have_box_rows_in_their_middle(planar: Scenario, grading: float) -> None:
+    exact = Transcription(integrator="momentum", forces="linear", grading=grading)
+    euler = Transcription(integrator="euler", grading=grading)
+    counts = {
+        settings.integrator: transcribe(planar.model_copy(update={"transcription": settings})).ng
+        for settings in (exact, euler)
+    }
+    ends_of_phases = 4 * 2 * 2  # rows of friction: 4 phases, 2 legs, 2 faces
+    assert counts["momentum"] - counts["euler"] == 40 * 2 * 2 + ends_of_phases
 
 
 def test_bounds_fix_contacts_and_never_contradict(problem: GaitProblem) -> None:
@@ -98,11 +144,13 @@ def test_bounds_fix_contacts_and_never_contradict(problem: GaitProblem) -> None:
     robot = problem.scenario.robot
     for step in range(layout.steps):
         for leg, stands in enumerate(pattern.column(layout.phase_of(step))):
-            assert not (low.foot_velocities if stands else low.forces)[step, leg].any()
-            assert not (high.foot_velocities if stands else high.forces)[step, leg].any()
+            for end in (low, high):
+                fixed = [end.foot_velocities] if stands else [end.forces, end.end_forces]
+                assert not any(array[step, leg].any() for array in fixed)
             if stands:
                 assert high.feet[step, leg, -1] == high.feet[step + 1, leg, -1] == 0
-                assert (low.forces[step, leg, -1], high.forces[step, leg, -1]) == (0, robot.max_force)
+                assert low.forces[step, leg, -1] == low.end_forces[step, leg, -1] == 0
+                assert high.forces[step, leg, -1] == high.end_forces[step, leg, -1] == robot.max_force
             else:
                 assert (high.foot_velocities[step, leg] == robot.max_foot_speed).all()
     assert not low.feet[..., -1].any()
@@ -138,8 +186,10 @@ def test_the_path_starts_at_the_origin_and_only_where_that_is_free(anymal: Scena
         assert list(np.flatnonzero(bounds.lower[:3] == bounds.upper[:3])) == fixed
 
 
-def test_minlp_rows_extend_those_of_the_nlp(either: Scenario) -> None:
-    problem = transcribe(either.model_copy(update={"stances_per_leg": 1}))
+@pytest.mark.parametrize("forces", ["held", "linear"])
+def test_minlp_rows_extend_those_of_the_nlp(either: Scenario, forces: str) -> None:
+    transcription = either.transcription.model_copy(update={"forces": forces})
+    problem = transcribe(either.model_copy(update={"stances_per_leg": 1, "transcription": transcription}))
     layout, w = problem.layout, _somewhere(problem)
     pattern = Pattern(("0110", "1100", "1110", "0001")[: layout.legs])
     contacts = np.array([float(digit) for row in pattern.rows for digit in row])
