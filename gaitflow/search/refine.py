@@ -144,9 +144,9 @@ def _cubic(times: Array, known: Array, values: Array, rates: Array) -> Array:
 def _cheapest_of_each_gait(rows: Sequence[Solution]) -> list[Solution]:
     """The solved rows that have the least cost of their gait, cheapest first."""
     first: dict[str, Solution] = {}
-    for row in sorted(rows, key=lambda row: (row.cost, row.pattern)):
-        if row.status == "solved":
-            first.setdefault(row.gait, row)
+    solved = [row for row in rows if row.status == "solved"]  # others have no cost to sort by
+    for row in sorted(solved, key=lambda row: (row.cost, row.pattern)):
+        first.setdefault(row.gait, row)
     return list(first.values())
 
 

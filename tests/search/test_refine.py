@@ -35,9 +35,8 @@ def _refined(rows: list[Solution]) -> list[Solution]:
 
 def _leaders(rows: list[Solution]) -> list[Solution]:
     first: dict[str, Solution] = {}
-    for row in sorted(rows, key=lambda row: (row.cost, row.pattern)):
-        if row.status == "solved":
-            first.setdefault(row.gait, row)
+    for row in sorted((row for row in rows if row.status == "solved"), key=lambda row: row.cost):
+        first.setdefault(row.gait, row)
     return list(first.values())
 
 
@@ -106,6 +105,15 @@ def test_a_margin_beyond_the_errors_ends_it(exact: Scenario, three: list[Solutio
     assert planted.asked == [("A", 10), ("B", 10)]
     assert [(row.refined_cost, row.refined_knots) for row in found[:2]] == [(99.5, 10), (101.5, 10)]
     assert found[2] == three[2]
+
+
+def test_rows_without_a_cost_are_not_in_the_way(exact: Scenario, three: list[Solution]) -> None:
+    """They stand among the others in the order of patterns, and no number is less or more than theirs."""
+    nothing = [replace(three[0], pattern=f"{n}", status="infeasible", cost=math.nan) for n in range(5)]
+    mixed = [nothing[0], three[2], nothing[1], nothing[2], three[1], nothing[3], three[0], nothing[4]]
+    planted = Planted(exact, {("A", 10): 99.5, ("B", 10): 101.5})
+    planted.refined(TASK, mixed)
+    assert planted.asked == [("A", 10), ("B", 10)]
 
 
 def test_a_tie_ends_it(exact: Scenario, three: list[Solution]) -> None:
