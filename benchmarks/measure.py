@@ -14,8 +14,10 @@ from benchmarks.infrastructure import faults, overhead, speedup, store
 from benchmarks.online import map, online, select
 from benchmarks.paper import discovery, minlp, phases, ranking, stances, table1, table2
 from benchmarks.search import certificate, scaling
+from benchmarks.search.tasks import task_of
 from gaitflow.config.cluster import Profile
 from gaitflow.config.scenario import Scenario
+from gaitflow.core.task import Task
 from gaitflow.dataset import load_solutions
 from gaitflow.pipeline.workspace import Workspace
 from gaitflow.runtime.versions import resolve
@@ -84,15 +86,15 @@ def _document(workspace: Workspace, bench: str, scenario: Scenario) -> dict[str,
     return json.loads(path.read_bytes()) if path.exists() else None
 
 
-def _map_cpu(workspace: Workspace, scenario: Scenario) -> dict[tuple[float, float], float]:
+def _map_cpu(workspace: Workspace, scenario: Scenario) -> dict[Task, float]:
     """CPU seconds of solver calls that each grid task took in the scenario's run; empty when it was not run."""
     run = workspace.run(scenario)
     if not run.solutions.exists():
         return {}
     frame = load_solutions(run.solutions).frame()
-    spent = frame[frame["split"] == "grid"].groupby(["speed", "cycle_duration"], as_index=False)["cpu_s"].sum()
-    tasks = zip(spent["speed"].tolist(), spent["cycle_duration"].tolist(), strict=True)
-    return dict(zip(tasks, spent["cpu_s"].tolist(), strict=True))
+    axes = list(scenario.tasks.space.columns)
+    spent = frame[frame["split"] == "grid"].groupby(axes, as_index=False)[["cpu_s"]].sum()
+    return {task_of(scenario, row): float(row["cpu_s"]) for row in spent.to_dict("records")}
 
 
 def _scaling(workspace: Workspace, solves: int, seed: int) -> dict[str, Any]:

@@ -16,34 +16,36 @@ import pandas as pd
 from benchmarks.document import document
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.check import violations
-from gaitflow.dataset.gaps import gap_between_knots
+from gaitflow.dataset.gaps import GAP, motion_checks
 from gaitflow.dataset.read import Solutions
 from gaitflow.search.solution import Solution
 from gaitflow.store.journal import Entry
 
+JUDGED = ("cost_error", "resolved")  # columns that labels have since costs are compared with those of a finer mesh
 EFFORT = ("tried", "screened", "solves", "solver_cpu_s")
 PAUSE_S = 120.0  # a gap in the journal longer than any solve's silence: nobody was running
 
 
 def run(scenario: Scenario, solutions: Solutions, labels: pd.DataFrame, journal: Sequence[Entry]) -> dict[str, Any]:
     """The document: a row a task, with its label, the label's violation and its worst gap between knots."""
-    frame = solutions.frame()
-    best = {(row.speed, row.cycle_duration, row.pattern): row for row in solutions if row.trajectory is not None}
-    effort = _effort(frame)
+    frame, axes = solutions.frame(), scenario.tasks.space.columns
+    best = {(*row.task.on(axes), row.pattern): row for row in solutions if row.trajectory is not None}
+    effort = _effort(frame, axes)
     rows, kinds = [], dict[str, float]()
+    told = (*axes, "split", "status", "gait", "pattern", "cost", "margin", "runner_up", *JUDGED)
     for task in labels.to_dict("records"):
-        chosen = best.get((task["speed"], task["cycle_duration"], task["pattern"]))
-        rows.append({key: task[key] for key in ("speed", "cycle_duration", "split", "status", "gait", "pattern")})
-        rows[-1] |= {"cost": task["cost"], "margin": task["margin"], "runner_up": task["runner_up"]}
-        rows[-1] |= effort.get((task["speed"], task["cycle_duration"]), {})
+        place = tuple(task[axis] for axis in axes)
+        chosen = best.get((*place, task["pattern"]))
+        rows.append({key: task[key] for key in told if key in task})
+        rows[-1] |= effort.get(place, {})
         if chosen is not None:
             found = _judge(solutions, chosen)
             kinds = {kind: max(kinds.get(kind, 0.0), value) for kind, value in found.items()}
             rows[-1] |= {
                 "violation": max(found.values()),
-                "gap_between_knots": gap_between_knots(solutions.record["scenario"], chosen),
+                GAP: motion_checks(solutions.record["scenario"], chosen)[GAP],
             }
-    solvable = frame[frame["status"] == "solved"].groupby(["speed", "cycle_duration"]).ngroups
+    solvable = frame[frame["status"] == "solved"].groupby(list(axes)).ngroups
     solved = labels["status"] == "solved"
     cpu = math.fsum(entry.cpu_s for entry in journal if entry.event == "stored" and entry.kept)
     summary = {
@@ -62,6 +64,7 @@ def run(scenario: Scenario, solutions: Solutions, labels: pd.DataFrame, journal:
         "wall_s": active_seconds(journal),
         "cpu_s": cpu,
         "cpu_s_per_labelled_task": cpu / int(solved.sum()) if solved.any() else None,
+        **_resolution(labels[solved]),
         "gaits": {str(k): int(v) for k, v in labels.loc[solved, "gait"].value_counts().items()},
     }
     notes = (
@@ -73,18 +76,32 @@ def run(scenario: Scenario, solutions: Solutions, labels: pd.DataFrame, journal:
         "of a task, tried: patterns for which a program was solved; screened: those that a sound condition ruled out; "
         "solves: solver calls; solver_cpu_s: their CPU time. cpu_s, cpu_s_per_labelled_task: of the whole run, with "
         "building and storing",
+        "cost_error_*, resolved: of the labels, whose winner and runner-up were solved on a finer mesh as well; a "
+        "label is resolved when the margin exceeds what may be left of their errors, or they tie",
         "wall_s: from the run's journal, on the machine's share that the run got; other work may have run beside it",
     )
     return document("map", scenario.name, rows, summary, notes)
 
 
-def _effort(frame: pd.DataFrame) -> dict[tuple[float, float], dict[str, Any]]:
-    """What each task (v, T) took; see the notes."""
+def _resolution(labels: pd.DataFrame) -> dict[str, Any]:
+    """How far costs are off by a finer mesh, and how many labels that leaves open; nothing where none was compared."""
+    if not set(JUDGED) <= set(labels.columns) or labels["cost_error"].isna().all():
+        return {}
+    errors = labels["cost_error"].dropna()
+    return {
+        "cost_error_median": float(errors.median()),
+        "cost_error_max": float(errors.max()),
+        "resolved": int(labels["resolved"].sum()),
+    }
+
+
+def _effort(frame: pd.DataFrame, axes: Sequence[str]) -> dict[tuple[float, ...], dict[str, Any]]:
+    """What each task took, by its values on the axes; see the notes."""
     counted = frame.assign(
         screened=frame["status"] == "screened", tried=frame["solves"] > 0, solver_cpu_s=frame["cpu_s"]
     )
-    sums = counted.groupby(["speed", "cycle_duration"], as_index=False)[list(EFFORT)].sum()
-    return {(row["speed"], row["cycle_duration"]): {key: row[key] for key in EFFORT} for row in sums.to_dict("records")}
+    sums = counted.groupby(list(axes), as_index=False)[list(EFFORT)].sum()
+    return {tuple(row[axis] for axis in axes): {key: row[key] for key in EFFORT} for row in sums.to_dict("records")}
 
 
 def _median(rows: Sequence[Mapping[str, Any]], key: str) -> float | None:
@@ -107,4 +124,4 @@ def active_seconds(journal: Sequence[Entry]) -> float:
 def _judge(solutions: Solutions, row: Solution) -> dict[str, float]:
     assert row.trajectory is not None
     scenario = solutions.record["scenario"]
-    return violations(scenario, row.trajectory, row.speed, row.cycle_duration, row.pattern)
+    return violations(scenario, row.trajectory, row.task, row.pattern)

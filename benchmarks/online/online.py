@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import statistics
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ from benchmarks.paper.targets import against
 from benchmarks.rows import Row
 from benchmarks.search.search import ours
 from gaitflow.config.scenario import Scenario
-from gaitflow.core.gaits import Pattern, gait_of
+from gaitflow.core.gaits import NO_SYMMETRY, Pattern, Symmetry, gait_of
 from gaitflow.runtime import GaitMap
 
 TASKS = {2: 1000, 3: 500}  # by the robot's dimension
@@ -36,8 +36,8 @@ NOTES = (
     "the sum of the one over that of the other, 1 on a machine without other work. select_us_*: wall time of select.",
     "path: fast (Newton steps from the prediction), fallback (IPOPT), next:<n> (another gait), cheaper:<n> (another "
     "one, after the first), failed. violation: by our check, feasible when at most 1e-6. picked, only where it is not "
-    "plan's gait: what select says; plan takes the gait of least predicted cost, select the classifier's. "
-    "same_as_select_rate: how often they agree.",
+    "plan's gait: what select says. first_as_select_rate: how often plan tries that one first; same_as_select_rate: "
+    "how often it is plan's gait in the end.",
     f"reference: the first {REFERENCES} tasks were searched by the scenario's own strategy, cold. excess = (plan's "
     "cost - the search's best) / the search's best. consistent: plan solved the task, and has the search's best gait "
     "or an excess of at most 0.1 %; within: the excess is at most 0.1 %, whatever the gait; better: it is below "
@@ -66,38 +66,41 @@ def run(scenario: Scenario, artifact: Path, tasks: int | None = None, seed: int 
     references = table.references("online", scenario, ours(scenario), chosen[:REFERENCES], runs)
     paper = paper_way("online", scenario, artifact, chosen[:PAPER_TASKS], warm_up_task, seed, runs)
     with child.Child("benchmarks.online.plan_times:PlanTimes", {"artifact": str(artifact)}) as process:
-        pairs = [(task.speed, task.cycle_duration) for task in chosen]
-        timed = process.call(PLAN_LIMIT_S * (1 + len(pairs)), tasks=pairs)
-    mirror = scenario.robot.mirror_permutation if scenario.robot.mirror else None
-    rows = judge(timed["rows"], references, paper, mirror)
+        asked = [{axis: task[axis] for axis in scenario.tasks.space.ranged} for task in chosen]
+        timed = process.call(PLAN_LIMIT_S * (1 + len(asked)), tasks=asked)
+    rows = judge(timed["rows"], references, paper, [scenario.symmetry(task) for task in chosen])
     summary = summarise(rows, timed["select_us"])
     summary["seed"] = seed
     summary["map_version"] = str(GaitMap.load(artifact).manifest.version)
     summary |= {key: timed[key] for key in ("load_s", "warm_up_s", "warm_up_plans")}
     summary["targets"] = against(summary, dimension)
-    return document("online", scenario.name, [_short(row) for row in rows], _rounded(summary), NOTES)
+    axes = frozenset(scenario.tasks.space.ranged)
+    return document("online", scenario.name, [_short(row, axes) for row in rows], _rounded(summary), NOTES)
 
 
 def judge(
     planned: Sequence[Row],
     references: Sequence[Row],
     paper: Sequence[Mapping[str, Row]],
-    mirror: Sequence[int] | None = None,
+    symmetries: Sequence[Symmetry] | None = None,
 ) -> list[Row]:
-    """The rows of plan, the first ones with `reference` and `paper`; see NOTES for what is in them."""
+    """The rows of plan, the first ones with `reference` and `paper`; see NOTES for what is in them.
+
+    `symmetries` are those of each row's task, by default none.
+    """
     rows = [dict(row) for row in planned]
-    for row, reference in zip(rows, references, strict=False):
-        row["reference"] = _compared(row, reference, mirror)
+    for row, reference, symmetry in zip(rows, references, symmetries or [NO_SYMMETRY] * len(rows), strict=False):
+        row["reference"] = _compared(row, reference, symmetry)
     for row, calls in zip(rows, paper, strict=False):
         best = row["reference"]["cost"]
         row["paper"] = {method: call | {"optimal": reaches(call["cost"], best)} for method, call in calls.items()}
     return rows
 
 
-def _compared(row: Row, reference: Row, mirror: Sequence[int] | None) -> Row:
+def _compared(row: Row, reference: Row, symmetry: Symmetry) -> Row:
     best, solved = reference["cost"], row["path"] != "failed"
     within = solved and reaches(row["cost"], best)
-    same_gait = solved and best is not None and _gait(row["pattern"], mirror) == _gait(reference["pattern"], mirror)
+    same_gait = solved and best is not None and _gait(row["pattern"], symmetry) == _gait(reference["pattern"], symmetry)
     excess = None if best is None or not solved else row["cost"] / best - 1
     return {
         "gait": reference["gait"],
@@ -111,8 +114,8 @@ def _compared(row: Row, reference: Row, mirror: Sequence[int] | None) -> Row:
     }
 
 
-def _gait(pattern: str, mirror: Sequence[int] | None) -> Pattern:
-    return gait_of(Pattern.from_text(pattern), mirror)
+def _gait(pattern: str, symmetry: Symmetry) -> Pattern:
+    return gait_of(Pattern.from_text(pattern), symmetry)
 
 
 def summarise(rows: Sequence[Row], select_us: Sequence[float]) -> Row:
@@ -130,6 +133,7 @@ def summarise(rows: Sequence[Row], select_us: Sequence[float]) -> Row:
         **{f"{part}_ms_p50": statistics.median(row[f"{part}_ms"] for row in rows) for part in PARTS},
         **_quantiles("iterations", [row["iterations"] for row in rows]),
         **_quantiles("select_us", select_us),
+        "first_as_select_rate": _share([row["first"] == row["picked"] for row in rows]),
         "same_as_select_rate": _share([row["gait"] == row["picked"] for row in rows]),
         **_against_paper([row["paper"] for row in rows if "paper" in row]),
     }
@@ -203,11 +207,11 @@ def _share(flags: Sequence[bool]) -> float | None:
     return sum(flags) / len(flags) if flags else None
 
 
-def _short(row: Row) -> Row:
+def _short(row: Row, axes: Collection[str]) -> Row:
     """The row rounded, but for its task, and without what it says twice."""
     agreed = {"picked"} if row["picked"] == row["gait"] else set()
-    shown = {key: value for key, value in row.items() if key not in {"probability", "feasible"} | agreed}
-    return shown | {key: _rounded(value) for key, value in shown.items() if key not in ("speed", "cycle_duration")}
+    shown = {key: value for key, value in row.items() if key not in {"probability", "feasible", "first"} | agreed}
+    return shown | {key: _rounded(value) for key, value in shown.items() if key not in axes}
 
 
 def _rounded(value: Any) -> Any:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,22 +22,22 @@ class PlanTimes:
         self._warm_up_plans = warm_up(self._map)
         self._warm_up_s = time.perf_counter() - start
 
-    def __call__(self, tasks: Sequence[tuple[float, float]]) -> dict[str, Any]:
-        """{rows, select_us, load_s, warm_up_s, warm_up_plans} of tasks (v m/s, T s), rows and select_us one a task.
+    def __call__(self, tasks: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+        """{rows, select_us, load_s, warm_up_s, warm_up_plans} of tasks by axis, rows and select_us one a task.
 
         A row is `timed_plan`'s with picked and probability, what `select` says of the task; select_us is wall time [µs]
         of `select`, when it is asked the second time.
         """
-        for v, t in tasks:
-            self._map.select(v, t)
+        for task in tasks:
+            self._map.select(**task)
         select_us = []
-        for v, t in tasks:
+        for task in tasks:
             start = time.perf_counter()
-            self._map.select(v, t)
+            self._map.select(**task)
             select_us.append((time.perf_counter() - start) * 1e6)
-        rows = [timed_plan(self._map, v, t) for v, t in tasks]
-        for row, (v, t) in zip(rows, tasks, strict=True):
-            choice = self._map.select(v, t)
+        rows = [timed_plan(self._map, task) for task in tasks]
+        for row, task in zip(rows, tasks, strict=True):
+            choice = self._map.select(**task)
             row |= {"picked": choice.gait, "probability": choice.probability}
         return {
             "rows": rows,
@@ -49,31 +49,33 @@ class PlanTimes:
 
 
 def warm_up(gait_map: GaitMap) -> int:
-    """Plan once for each gait, at the grid task where it is likeliest to be picked; how many gaits had one."""
-    domain = gait_map.manifest.domain
-    speeds, cycles = np.meshgrid(domain.speeds, domain.cycle_durations, indexing="ij")
-    picked = gait_map.select_many(speeds, cycles)
+    """Plan once for each gait, at the grid task that picks it where it is likeliest; how many gaits had one."""
+    axes = gait_map.manifest.domain.axes
+    grid = dict(zip(axes, np.meshgrid(*axes.values(), indexing="ij"), strict=True))
+    picked = gait_map.select_many(**grid)
     planned = 0
     for index in range(len(gait_map.gaits)):
         probability = np.where(picked.index == index, picked.probability, -1.0)
         at = np.unravel_index(probability.argmax(), probability.shape)
         if probability[at] >= 0:
-            gait_map.plan(float(speeds[at]), float(cycles[at]))
+            task: dict[str, Any] = {axis: float(values[at]) for axis, values in grid.items()}
+            gait_map.plan(**task)
             planned += 1
     return planned
 
 
-def timed_plan(gait_map: GaitMap, speed: float, cycle_duration: float) -> dict[str, Any]:
-    """One call of `plan` at v [m/s], T [s]: what came out, wall_ms by the clock around it and cpu_ms of this process.
+def timed_plan(gait_map: GaitMap, task: Mapping[str, Any]) -> dict[str, Any]:
+    """One call of `plan` at a task: what came out, wall_ms by the clock around it and cpu_ms of this process.
 
-    select_ms, predict_ms, refine_ms are the plan's own wall times. JSON data, but for infinite costs.
+    first is the gait that was tried first; select_ms, predict_ms, refine_ms are the plan's own wall times. JSON data,
+    but for infinite costs.
     """
     wall, cpu = time.perf_counter(), time.process_time()
-    plan = gait_map.plan(speed, cycle_duration)
+    plan = gait_map.plan(**task)
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
     return {
-        "speed": speed,
-        "cycle_duration": cycle_duration,
+        **task,
+        "first": plan.tried[0][0],
         "gait": plan.gait,
         "pattern": plan.pattern,
         "path": plan.path,

@@ -19,10 +19,11 @@ HEAVY = ("torch", "dask", "casadi", "pandas", "sklearn", "pydantic", "pyarrow", 
 STARTS = 7
 FRESH = """
 import json, sys, time
+task = json.loads(sys.argv[2])
 start = time.perf_counter()
 from gaitflow.runtime import GaitMap
 gait_map = GaitMap.load(sys.argv[1])
-gait_map.select(float(sys.argv[2]), float(sys.argv[3]))
+gait_map.select(**task)
 seconds = time.perf_counter() - start
 print(json.dumps({"seconds": seconds, "modules": sorted({name.partition(".")[0] for name in sys.modules})}))
 """
@@ -31,21 +32,21 @@ print(json.dumps({"seconds": seconds, "modules": sorted({name.partition(".")[0] 
 def run(artifact: Path, calls: int = 20_000, seed: int = 0) -> dict[str, Any]:
     """The document: a row a fresh process; `calls` random in-domain tasks, one by one and as one batch."""
     gait_map = GaitMap.load(artifact)
-    domain = gait_map.manifest.domain
-    rng = np.random.default_rng(seed)
-    speeds = rng.uniform(domain.speeds[0], domain.speeds[-1], calls)
-    cycles = rng.uniform(domain.cycle_durations[0], domain.cycle_durations[-1], calls)
-    middle = [str(artifact), str(domain.speeds[len(domain.speeds) // 2]), str(domain.cycle_durations[0])]
-    rows = [_fresh(middle) for _ in range(STARTS)]
-    for v, t in zip(speeds[:200], cycles[:200], strict=True):
-        gait_map.select(float(v), float(t))
+    domain, rng = gait_map.manifest.domain, np.random.default_rng(seed)
+    columns = {axis: rng.uniform(values[0], values[-1], calls) for axis, values in domain.axes.items()}
+    tasks: list[dict[str, Any]] = [
+        dict(zip(columns, row, strict=True)) for row in np.column_stack(list(columns.values())).tolist()
+    ]
+    rows = [_fresh([str(artifact), json.dumps(domain.middle)]) for _ in range(STARTS)]
+    for task in tasks[:200]:
+        gait_map.select(**task)
     times = np.empty(calls)
-    for index, (v, t) in enumerate(zip(speeds.tolist(), cycles.tolist(), strict=True)):
+    for index, task in enumerate(tasks):
         start = time.perf_counter()
-        gait_map.select(v, t)
+        gait_map.select(**task)
         times[index] = time.perf_counter() - start
     start = time.perf_counter()
-    gait_map.select_many(speeds, cycles)
+    gait_map.select_many(**columns)
     batch = time.perf_counter() - start
     p50, p95, p99 = (float(x) * 1e6 for x in np.percentile(times, (50, 95, 99)))
     summary = {

@@ -41,7 +41,12 @@ def task_options(command: Command) -> Command:
     decorated: Any = collected
     for axis in reversed(AXES.values()):
         decorated = click.option(
-            *_spelled(axis.name), axis.name, type=float, multiple=True, metavar=axis.unit if axis.unit != "1" else "NUMBER", help=_told(axis)
+            *_spelled(axis.name),
+            axis.name,
+            type=float,
+            multiple=True,
+            metavar=axis.unit if axis.unit != "1" else "NUMBER",
+            help=_told(axis),
         )(decorated)
     result: Command = decorated
     return result

@@ -44,7 +44,7 @@ def run(workspace: Workspace, scenario: str, workers: int, profile_file: Path | 
     folder = workspace.run(resolved)
     published = stages.read_json(folder.published)
     gait_map = GaitMap.load(published["model"])
-    task = gait_map.manifest.domain.middle
+    task: dict[str, Any] = gait_map.manifest.domain.middle
     choice = gait_map.select(**task)
     click.echo(f"map:      {published['model']}")
     click.echo(f"dataset:  {published['dataset']}")
@@ -119,12 +119,12 @@ def atlas(workspace: Workspace, scenario: str, as_json: bool) -> None:
         return print_json(data)
     for pattern, nodes in data["nodes"].items():
         click.echo(f"{nodes:6d} nodes  {pattern}")
-    for row in data["predictors"]:
-        click.echo(
-            f"{row['iterations_mean']:6.2f} iterations from {row['predictor']} with {row['modes']} modes, "
-            f"{row['converged']} of {row['tasks']} converged"
-        )
-    click.echo(f"{data['solves']} solves, {data['modes']} modes published")
+    judged = data["predictions"]
+    mean = "none" if judged["iterations_mean"] is None else f"{judged['iterations_mean']:.1f}"
+    click.echo(
+        f"{judged['converged']} of {judged['tasks']} predictions at other tasks led to the optimum, iterations: {mean}"
+    )
+    click.echo(f"{data['solves']} solves, {data['modes']} modes, {data['bytes'] / 1e6:.1f} MB")
 
 
 @click.command()

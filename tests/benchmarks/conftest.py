@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from tiny_map import parts, pristine
+from tiny_map import parts, pristine, tiny
 
 from benchmarks import child
 from benchmarks.child import Lost
 from gaitflow.config.scenario import Scenario, load_scenario
 
-__all__ = ["parts", "pristine"]
+__all__ = ["parts", "pristine", "tiny"]
 
 
 @pytest.fixture(scope="session")

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from benchmarks.online.map import PAUSE_S, active_seconds, run
+from benchmarks.search.tasks import task_of
 from gaitflow.config.scenario import Scenario
-from gaitflow.core.task import Task
 from gaitflow.dataset.labels import gait_costs, label_tasks
 from gaitflow.dataset.read import Solutions
-from gaitflow.dataset.schema import Sizes, solutions_to_table
+from gaitflow.dataset.schema import solutions_to_table
 from gaitflow.search import Solution, solve_tasks
 from gaitflow.store.journal import Entry
 
 TROT = "0011/1100/1100/0011"
-TASKS = (Task(0.5, 0.8), Task(0.7, 0.8), Task(9.0, 0.8))
+SPEEDS = (0.5, 0.7, 9.0)
 
 
 def stored(end: float, wall: float) -> Entry:
@@ -45,16 +45,17 @@ def trots(spatial: Scenario) -> list[Solution]:
     """A trot at each task, the fastest of which no leg can follow, and a pattern that was ruled out."""
     changes = {"name": "fixed_gait", "pattern": TROT, "restarts": 1}
     only = spatial.model_copy(update={"strategy": spatial.strategy.model_copy(update=changes)})
-    found = solve_tasks(only, TASKS)
+    found = solve_tasks(only, [task_of(spatial, {"speed": v, "cycle_duration": 0.8}) for v in SPEEDS])
     assert [solution.status for solution in found[:2]] == ["solved", "solved"]
     out = {"pattern": "1111/1111/1111/1111", "gait": "1/1/1/1", "status": "screened", "solves": 0, "cpu_s": 0.0}
     return [*found, replace(found[0], trajectory=None, multipliers=None, cost=float("nan"), **out)]
 
 
 def measured(scenario: Scenario, solutions: list[Solution]) -> dict:
-    stored_rows = Solutions(solutions_to_table(solutions, Sizes.of(scenario)), {"scenario": scenario.as_data()})
-    legs = [leg.name for leg in scenario.robot.legs]
-    labels = label_tasks(gait_costs(stored_rows.frame(), legs), TASKS, 1e-3)
+    data = scenario.as_data()
+    stored_rows = Solutions(solutions_to_table(solutions, data), {"scenario": data})
+    tasks = [task_of(scenario, {"speed": v, "cycle_duration": 0.8}) for v in SPEEDS]
+    labels = label_tasks(gait_costs(stored_rows.frame(), scenario.robot.leg_names), tasks, 1e-3, 3)
     return run(scenario, stored_rows, labels, [stored(60.0, 30.0), stored(90.0, 20.0)])
 
 
@@ -67,6 +68,15 @@ def test_in_space_every_label_is_judged_anew(spatial: Scenario, trots: list[Solu
     assert 0 < max(kinds.values()) == summary["worst_label_violation"] <= 1e-6
     assert 1e-4 < summary["worst_gap_between_knots"] == max(row.get("gap_between_knots", 0) for row in done["rows"])
     json.dumps(done, allow_nan=False)
+
+
+def test_costs_on_a_finer_mesh_say_how_many_labels_stand(spatial: Scenario, trots: list[Solution]) -> None:
+    assert "resolved" not in measured(spatial, trots)["summary"]
+    finer = [replace(one, refined_cost=0.98 * one.cost, refined_knots=6) for one in trots[:2]]
+    done = measured(spatial, [*finer, *trots[2:]])
+    assert done["summary"]["cost_error_max"] == pytest.approx(0.02 / 0.98)
+    assert done["summary"]["resolved"] == 2, "each has no other gait"
+    assert done["rows"][0]["resolved"] is True and done["rows"][0]["cost_error"] == pytest.approx(0.02 / 0.98)
 
 
 def test_what_a_label_took(spatial: Scenario, trots: list[Solution]) -> None:

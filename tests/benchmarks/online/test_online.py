@@ -15,6 +15,7 @@ from benchmarks.online.online import calibration_error, judge, run, summarise
 from benchmarks.paper.fixed_gait import scenario_of
 from benchmarks.paper.random_start import METHODS
 from gaitflow.cli import main
+from gaitflow.core.gaits import Symmetry
 
 GALLOP, WALKING = "0011/0110", "0111/1101"
 
@@ -22,7 +23,8 @@ GALLOP, WALKING = "0011/0110", "0111/1101"
 def planned(cost: float = 100.0, **changes: Any) -> dict[str, Any]:
     row = {
         "speed": 1.234567, "cycle_duration": 0.654321, "gait": "gallop", "pattern": GALLOP, "path": "fast",
-        "feasible": True, "cost": cost, "violation": 1.23456789e-9, "iterations": 5, "wall_ms": 4.0, "cpu_ms": 2.0,
+        "feasible": True, "cost": cost, "violation": 1.23456789e-9, "first": "gallop", "iterations": 5,
+        "wall_ms": 4.0, "cpu_ms": 2.0,
         "select_ms": 0.1, "predict_ms": 0.4, "refine_ms": 3.5, "picked": "gallop", "probability": 0.9,
     }  # fmt: skip
     return row | changes
@@ -68,6 +70,14 @@ def test_consistent_is_the_best_gait_or_the_best_cost(
         assert told["excess"] is None
 
 
+def test_a_gait_and_its_time_reversal_are_one_where_the_task_says_so() -> None:
+    pronking, reversed_ = "0110/0100", "0010/0110"  # rows run backwards, front and hind exchanged
+    row, reference = planned(120.0, pattern=pronking), searched(100.0, "gallop-pronk", reversed_)
+    symmetries = [Symmetry(), Symmetry(reversal=(1, 0))]
+    told = [judge([row], [reference], [], [each])[0]["reference"]["consistent"] for each in symmetries]
+    assert told == [False, True]
+
+
 def test_references_and_the_papers_way_belong_to_the_first_tasks() -> None:
     rows = judge([planned(), planned(), planned()], [searched(), searched(99.0)], [calls(0.004, 1.0, 100.2)])
     assert [("reference" in row, "paper" in row) for row in rows] == [(True, True), (True, False), (False, False)]
@@ -89,7 +99,7 @@ def test_the_summary_counts_every_task() -> None:
     assert (told["plan_ms_p50"], told["plan_ms_max"], told["select_us_p50"]) == (50.5, 500.0, 12.0)
     assert told["plan_ms_p99"] == pytest.approx(401.0)
     assert told["plan_cpu_ms_p50"] < told["plan_ms_p50"]
-    assert told["same_as_select_rate"] == 0.99
+    assert (told["same_as_select_rate"], told["first_as_select_rate"]) == (0.99, 1.0)
     assert told["speedup_vs_paper_median"] == pytest.approx(300.0), "of 100, 300 and 800"
     big_m = told["speedup"]["bigm_random"]
     assert big_m["of_medians"] == pytest.approx(1.2 / 0.004)
@@ -126,7 +136,7 @@ def children(monkeypatch: pytest.MonkeyPatch) -> Any:
         def call(self, limit_s: float, **request: Any) -> dict[str, Any]:
             if "tasks" in request:
                 Children.asked["plan"] += 1
-                rows = [planned(speed=v, cycle_duration=t, picked="walking") for v, t in request["tasks"]]
+                rows = [planned(**task, picked="walking") for task in request["tasks"]]
                 times = {"load_s": 0.01, "warm_up_s": 0.3, "warm_up_plans": 2}
                 return {"rows": rows, "select_us": [12.0] * len(rows)} | times
             if "method" not in request:
