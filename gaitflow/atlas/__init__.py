@@ -1,1 +1,1 @@
-"""The atlas of a map: grown from the dataset along the central path, and the predictors made of it."""
+"""The atlas of a map, grown from its dataset: gaits solved at tasks, with their tangents."""

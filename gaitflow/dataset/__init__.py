@@ -1,4 +1,4 @@
-"""What was solved and what follows from it: tasks, units of work, the store, the dataset and its labels.
+"""What was solved, as tables, and what follows from it: the labels of a map.
 
 Reading a dataset needs one function:
 

@@ -1,1 +1,1 @@
-"""Solving one gait at one task: the interior-point method of the runtime, and IPOPT."""
+"""Solving one gait at one task, offline and online: an interior-point method, and IPOPT behind it."""
