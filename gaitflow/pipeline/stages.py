@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gaitflow.config.scenario import Scenario, digest_of
+from gaitflow.core.domain import Domain
 from gaitflow.files import atomic_write
 from gaitflow.pipeline.workspace import Run, Workspace
 
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from gaitflow.config.cluster import Profile
-    from gaitflow.core.domain import Domain
     from gaitflow.execute.run import RunState
     from gaitflow.report.claims import Claim
     from gaitflow.runtime.atlas import Atlas

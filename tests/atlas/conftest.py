@@ -1,5 +1,5 @@
-"""The nodes of the small real map."""
+"""The nodes of the small real map, its problem, and the seeds that they grow from."""
 
-from tiny_map import grown, judged, parts
+from tiny_map import grown, preferring, tiny
 
-__all__ = ["grown", "judged", "parts"]
+__all__ = ["grown", "preferring", "tiny"]

@@ -1,0 +1,97 @@
+"""Nodes are added where predictions fail, and only there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from tiny_map import GALLOP, SOLVED_AT, WALKING, solution_of, solved_at, task_of, tiny_domain, tiny_problem
+
+from gaitflow.atlas import fill as fill_module
+from gaitflow.atlas.compress import build_atlas
+from gaitflow.atlas.fill import Cell, fill
+from gaitflow.atlas.grow import Growth, grow
+from gaitflow.core.domain import Domain
+from gaitflow.core.gaits import Pattern
+
+
+@pytest.fixture
+def growth() -> Growth:
+    """A growth of one's own."""
+    gaits = (WALKING, GALLOP)
+    seeds = [solution_of(SOLVED_AT[gait][0], task_of(*SOLVED_AT[gait][1:]), solved_at(gait)) for gait in gaits]
+    patterns = [Pattern.from_text(SOLVED_AT[gait][0]) for gait in gaits]
+    return grow(tiny_problem(), patterns, seeds, tiny_domain())
+
+
+def test_a_cell_has_parts_that_fill_it() -> None:
+    parts = Cell((1.0, 2.0), (0.1, 0.2)).parts()
+    assert {part.centre for part in parts} == {(0.95, 1.9), (0.95, 2.1), (1.05, 1.9), (1.05, 2.1)}
+    assert all(part.half == (0.05, 0.1) for part in parts)
+    assert [part.centre for part in Cell((1.0, 2.0), (0.1, 0.0)).parts()] == [(0.95, 2.0), (1.05, 2.0)]
+
+
+def test_tested_are_the_cells_whose_corners_are_all_inside(growth: Growth) -> None:
+    cells = fill_module._cells(growth)
+    shape = tiny_domain().feasible.shape
+    assert len(cells) == (shape[0] - 1) * (shape[1] - 1) - 1, "one corner of one cell is infeasible"
+    assert all(growth.inside(cell.centre) for cell in cells)
+
+
+def test_an_axis_of_one_value_has_no_middle() -> None:
+    domain = Domain({"speed": (0.5, 0.9), "cycle_duration": (0.6,)}, np.ones((2, 1), dtype=bool))
+    growth = grow(tiny_problem(), [], [], domain)
+    assert fill_module._cells(growth) == [Cell((0.7, 0.6), (0.2, 0.0))]
+
+
+def test_nodes_are_added_only_where_a_prediction_failed(growth: Growth, monkeypatch: pytest.MonkeyPatch) -> None:
+    bad = fill_module._cells(growth)[3]
+    asked: list[tuple[float, ...]] = []
+    well = fill_module._predicts_well
+
+    def judged(grown: Growth, atlas: object, sheets: Sequence[int], place: tuple[float, ...], tolerance: float) -> bool:
+        asked.append(place)
+        if place == bad.centre:
+            monkeypatch.setattr(fill_module, "GOOD", -1)
+            found = well(grown, atlas, sheets, place, tolerance)  # type: ignore[arg-type]
+            monkeypatch.undo()
+            monkeypatch.setattr(fill_module, "_predicts_well", judged)
+            return found
+        return True
+
+    monkeypatch.setattr(fill_module, "_predicts_well", judged)
+    before = {place for nodes in growth.nodes for place in nodes}
+    fill(growth, lambda: build_atlas(growth, [0, 1]), 1e-3, rounds=2)
+    assert {place for nodes in growth.nodes for place in nodes} - before == {bad.centre}
+    assert asked[-4:] == [part.centre for part in bad.parts()], "its parts are tested next"
+
+
+def test_what_is_added_is_predicted_well_afterwards(growth: Growth) -> None:
+    atlas = build_atlas(growth, [0, 1])
+    cells = fill_module._cells(growth)
+    failed = [cell for cell in cells if not fill_module._predicts_well(growth, atlas, [0, 1], cell.centre, 1e-3)]
+    assert 0 < len(failed) < len(cells)
+    again = build_atlas(growth, [0, 1])
+    wrong = 0
+    for cell in failed:
+        asked = np.array(cell.centre)
+        first = again.ranked(asked)[0]
+        predicted = again.predict(first, asked)
+        assert predicted is not None
+        outcome = growth.solver.refined(first, cell.centre, predicted, 30)
+        wrong += not outcome.converged or abs(predicted.cost / outcome.cost - 1) > 1e-3
+    assert wrong <= 0.2 * len(failed)
+
+
+def test_filling_twice_the_same_gives_the_same() -> None:
+    def filled() -> Growth:
+        gaits = (WALKING, GALLOP)
+        seeds = [solution_of(SOLVED_AT[gait][0], task_of(*SOLVED_AT[gait][1:]), solved_at(gait)) for gait in gaits]
+        found = grow(tiny_problem(), [Pattern.from_text(one.pattern) for one in seeds], seeds, tiny_domain())
+        fill(found, lambda: build_atlas(found, [0, 1]), 1e-3, rounds=1)
+        return found
+
+    one, other = filled(), filled()
+    assert [list(nodes) for nodes in one.nodes] == [list(nodes) for nodes in other.nodes]
+    assert one.solver.solves == other.solver.solves
