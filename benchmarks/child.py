@@ -1,7 +1,7 @@
 """Work in a process of its own, one thread, that may throw through C++, hang or die without ending the bench.
 
-The child is `python -m benchmarks.child module:factory`. Lines of JSON come in: first the factory's arguments,
-then those of one call of what it made a line; a line of JSON goes out for each.
+The child is `python -m benchmarks.child module:factory`, driven as `gaitflow.execute.line_process` says: the first
+request has the factory's arguments, every other one those of a call of what it made.
 """
 
 from __future__ import annotations
@@ -9,25 +9,17 @@ from __future__ import annotations
 import argparse
 import importlib
 import json
-import os
 import resource
-import select
-import subprocess
-import sys
-import tempfile
 import time
 import traceback
-from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
-from typing import IO, Any, Self, TextIO
+from typing import Any, Self
 
-from gaitflow.execute.reap import reap
-from gaitflow.execute.solver import ONE_THREAD
-from gaitflow.execute.solver_process import die_with
+from gaitflow.execute import line_process
+from gaitflow.execute.line_process import LineProcess
 
 START_UP_S = 120.0
-CHUNK = 1 << 16
 
 
 class Lost(Exception):
@@ -52,8 +44,7 @@ class Child:
     def __init__(self, factory: str, setup: Mapping[str, Any]) -> None:
         self._factory = factory
         self._setup = setup
-        self._errors: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115, lives as long as this object
-        self._process: subprocess.Popen[bytes] | None = None
+        self._process: LineProcess | None = None
         self._spent = 0.0  # CPU time [s] that the process accounted for in its answers
 
     def __enter__(self) -> Self:
@@ -61,7 +52,6 @@ class Child:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self._end()
-        self._errors.close()
 
     def call(self, limit_s: float, **request: Any) -> Any:
         """The answer to one call, JSON data. Raises Lost after `limit_s` of wall time or when the child died.
@@ -69,67 +59,34 @@ class Child:
         Raises ChildError when the called code raised.
         """
         if self._process is None:
-            self._start()
-            self._ask(self._setup, START_UP_S)
-        return self._ask(request, limit_s)
+            self._process, self._spent = LineProcess("benchmarks.child", [self._factory]), 0.0
+            self._ask(self._process, self._setup, START_UP_S)
+        return self._ask(self._process, request, limit_s)
 
-    def _start(self) -> None:
-        self._errors.seek(0)
-        self._errors.truncate()
-        self._spent = 0.0
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "benchmarks.child", "--parent", str(os.getpid()), self._factory],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=self._errors,
-            env=os.environ | ONE_THREAD,
-            start_new_session=True,  # a terminal's Ctrl-C is the bench's, which then ends the child
-        )
-
-    def _ask(self, request: Mapping[str, Any], limit_s: float) -> Any:
-        line = self._exchange(json.dumps(request).encode() + b"\n", limit_s)
-        answer = json.loads(line)
+    def _ask(self, process: LineProcess, request: Mapping[str, Any], limit_s: float) -> Any:
+        start = time.monotonic()
+        try:
+            answer = process.ask(request, limit_s)
+        except line_process.Lost as lost:
+            wall, before = time.monotonic() - start, _ended_cpu()
+            ending = self._end()
+            raise Lost(str(lost) or ending, max(0.0, _ended_cpu() - before - self._spent), wall) from None
         self._spent = answer["cpu_s"]
         if "error" in answer:
             self._end()
             raise ChildError(answer["error"])
         return answer["result"]
 
-    def _exchange(self, request: bytes, limit_s: float) -> bytes:
-        """Send a line and wait for a line."""
-        process = self._process
-        assert process is not None and process.stdin is not None and process.stdout is not None
-        start, answer = time.monotonic(), b""
-        with suppress(BrokenPipeError):  # a dead process gives no answer either
-            process.stdin.write(request)
-            process.stdin.flush()
-        while not answer.endswith(b"\n"):
-            left = start + limit_s - time.monotonic()
-            if left <= 0 or not select.select([process.stdout], [], [], left)[0]:
-                raise self._lost(f"hung: no answer in {limit_s:.0f} s", start)
-            block = os.read(process.stdout.fileno(), CHUNK)
-            if not block:
-                raise self._lost("", start)
-            answer += block
-        return answer
-
-    def _lost(self, reason: str, start: float) -> Lost:
-        wall, before = time.monotonic() - start, _ended_cpu()
-        ending = self._end()
-        return Lost(reason or ending, max(0.0, _ended_cpu() - before - self._spent), wall)
-
     def _end(self) -> str:
-        """Kill and reap the process; what ended it when it was not us."""
+        """Kill the process; what ended it when it was not us."""
         process, self._process = self._process, None
         if process is None:
             return "ended"
-        ending = reap(process)
-        return f"{ending}: {self._last_error()}" if ending.startswith("exited") else ending
-
-    def _last_error(self) -> str:
-        self._errors.seek(0)
-        lines = self._errors.read(1 << 20).decode(errors="replace").strip().splitlines()
-        return lines[-1][:200] if lines else "no message"
+        ending = process.end()
+        if not ending.startswith("exited"):
+            return ending
+        said = [line for line in process.said() if line.strip()]
+        return f"{ending}: {said[-1][:200] if said else 'no message'}"
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -138,29 +95,26 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--parent", type=int, required=True, help="process to live and die with")
     parser.add_argument("factory", help="module:name")
     options = parser.parse_args(arguments)
-    die_with(options.parent)
-    # Whatever else prints, from Python or C, goes to standard error.
-    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)
-    serve(sys.stdin, answers, options.factory)
+    line_process.serve(options.parent, answers_of(options.factory))
 
 
-def serve(requests: Iterable[str], answers: TextIO, factory: str) -> None:
-    """Answer each request with {"result" or "error", "cpu_s": CPU time of this process so far}."""
-    call = None
-    for line in requests:
-        answer: dict[str, Any] = {"result": None}
+def answers_of(factory: str) -> Callable[[Mapping[str, Any]], str]:
+    """Answers each request by {"result" or "error", "cpu_s": CPU time of this process so far} as a line of JSON."""
+    made: list[Callable[..., Any]] = []
+
+    def answer(request: Mapping[str, Any]) -> str:
+        told: dict[str, Any] = {"result": None}
         try:
-            if call is None:
-                module, _, name = factory.partition(":")
-                call = getattr(importlib.import_module(module), name)(**json.loads(line))
+            if made:
+                told["result"] = made[0](**request)
             else:
-                answer["result"] = call(**json.loads(line))
-            text = json.dumps(answer | {"cpu_s": time.process_time()})
+                module, _, name = factory.partition(":")
+                made.append(getattr(importlib.import_module(module), name)(**request))
+            return json.dumps(told | {"cpu_s": time.process_time()})
         except Exception:
-            text = json.dumps({"error": traceback.format_exc(), "cpu_s": time.process_time()})
-        answers.write(text + "\n")
-        answers.flush()
+            return json.dumps({"error": traceback.format_exc(), "cpu_s": time.process_time()})
+
+    return answer
 
 
 def _ended_cpu() -> float:

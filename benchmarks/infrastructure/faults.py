@@ -27,10 +27,12 @@ from typing import Any, Literal
 
 import pandas as pd
 
+from benchmarks.infrastructure.grids import with_grid
 from gaitflow.config.scenario import Scenario, load_scenario
 from gaitflow.dataset.collect import collect
 from gaitflow.dataset.provenance import made_by
 from gaitflow.dataset.read import load_solutions
+from gaitflow.dataset.schema import task_columns
 from gaitflow.execute.local import local_client
 from gaitflow.execute.run import run_units
 from gaitflow.store.journal import Entry, read_journal
@@ -83,7 +85,8 @@ def faults(
 
     The time from one kill to the next, with a solver at work, is drawn uniformly from `quiet_s`.
     """
-    small, chance = _cut(scenario, tasks), random.Random(seed)
+    counts = {"cycle_duration": 2, "speed": max(2, tasks // 2)}
+    small, chance = with_grid(scenario, counts), random.Random(seed)
     pending: list[Fault] = [("worker", "run")[i % 2] for i in range(kills)]
     rounds: list[Round] = []
     with tempfile.TemporaryDirectory() as folder:
@@ -123,15 +126,6 @@ def drive() -> None:
     file, folder = sys.argv[1:3]
     scenario = Scenario.from_data(json.loads(Path(file).read_text(encoding="utf-8")), file)
     run_units(plan_units(scenario), UnitStore(Path(folder)), local_client)
-
-
-def _cut(scenario: Scenario, tasks: int) -> Scenario:
-    data = scenario.as_data()
-    grid = data["tasks"]
-    grid["cycle_duration"]["count"], grid["speed"]["count"] = 2, max(2, tasks // 2)
-    grid["held_out"] = 0
-    data["strategy"]["tasks_per_unit"] = 1
-    return Scenario.from_data(data, scenario.name)
 
 
 def _round(
@@ -218,7 +212,7 @@ def _row(fault: Fault, rounds: Sequence[Round], differences: Sequence[float | No
 
 def _difference(reference: pd.DataFrame, frame: pd.DataFrame | None) -> float | None:
     """Largest relative difference of costs; None unless rows, patterns and statuses are equal and it is <= 1e-9."""
-    columns = ["split", "cycle_duration", "speed", "pattern", "gait", "seed", "status"]
+    columns = [*task_columns(reference.columns), "pattern", "gait", "seed", "status"]
     if frame is None or not reference[columns].equals(frame[columns]):
         return None
     if not reference["cost"].isna().equals(frame["cost"].isna()):

@@ -8,7 +8,7 @@ import time
 from collections.abc import Sequence
 
 from gaitflow.config.scenario import Scenario
-from gaitflow.config.tasks import Task
+from gaitflow.core.task import Task
 from gaitflow.search.solution import Solution
 
 HEAVY = ("torch", "sklearn", "skorch", "matplotlib", "onnxruntime", "pandas", "snakemake", "casadi", "pyarrow", "dask")
@@ -29,9 +29,7 @@ def idle_solutions(scenario: Scenario, tasks: Sequence[Task]) -> list[Solution]:
     """A row a task that says "infeasible"; its `solver_status` names the heavy modules that this process has loaded."""
     return [
         Solution(
-            speed=task.speed,
-            cycle_duration=task.cycle_duration,
-            split=task.split,
+            task=task,
             pattern="",
             gait="",
             strategy=scenario.strategy.name,

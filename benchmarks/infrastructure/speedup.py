@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.document import document
+from benchmarks.infrastructure.grids import with_grid
 from benchmarks.rows import Row
 from gaitflow.config.cluster import Profile
 from gaitflow.config.scenario import Scenario
@@ -61,15 +62,9 @@ def run(
 
 def spread(scenario: Scenario, tasks: int) -> Scenario:
     """The scenario on a grid of about `tasks` tasks over the same rectangle, one a unit."""
-    data = scenario.as_data()
-    grid = data["tasks"]
-    durations = min(DURATIONS, grid["cycle_duration"]["count"])
-    speeds = max(2, round(tasks / durations))
-    grid["cycle_duration"]["count"], grid["speed"]["count"], grid["held_out"] = durations, speeds, 0
-    if durations == 1:
-        grid["cycle_duration"]["stop"] = grid["cycle_duration"]["start"]
-    data["strategy"]["tasks_per_unit"] = 1
-    return Scenario.from_data(data, scenario.name)
+    ranges = scenario.tasks.ranges
+    durations = min(DURATIONS, ranges["cycle_duration"].count) if "cycle_duration" in ranges else 1
+    return with_grid(scenario, {"cycle_duration": durations, "speed": max(2, round(tasks / durations))})
 
 
 def measured(entries: Sequence[Entry], workers: int) -> Row:

@@ -20,11 +20,12 @@ from typing import Any, NoReturn
 
 from benchmarks.child import Child
 from benchmarks.document import document
+from benchmarks.infrastructure.grids import with_grid
 from benchmarks.infrastructure.idle import idle_solutions
 from benchmarks.rows import Row
 from gaitflow.config.scenario import Scenario
 from gaitflow.dataset.provenance import unit_record
-from gaitflow.dataset.schema import Sizes, solutions_to_table
+from gaitflow.dataset.schema import solutions_to_table
 from gaitflow.execute.run import run_units
 from gaitflow.store.compact import compact
 from gaitflow.store.known_parts import remember, stamp, validate_changed
@@ -84,13 +85,8 @@ def extrapolate(rows: Sequence[Mapping[str, Any]], size: int) -> dict[str, float
 def planned(scenario: Scenario, size: int) -> Scenario:
     """The scenario with a grid of `size` tasks, each a unit. Raises ValueError when no grid has so many."""
     few = max(each for each in range(1, math.isqrt(size) + 1) if size % each == 0)
-    data = scenario.as_data()
-    data["tasks"] = {
-        "speed": {"start": 0.1, "stop": 2.0, "count": size // few},
-        "cycle_duration": {"start": 0.3, "stop": 1.5, "count": few},
-    }
-    data["strategy"]["tasks_per_unit"] = 1
-    return Scenario.from_data(data, scenario.name)
+    spans = {"speed": (0.1, 2.0), "cycle_duration": (0.3, 1.5)}
+    return with_grid(scenario, {"speed": size // few, "cycle_duration": few}, spans)
 
 
 def _row(scenario: Scenario, size: int, folder: Path) -> Row:
@@ -132,7 +128,7 @@ def operations(scenario: Mapping[str, Any]) -> Callable[[str, str], dict[str, An
 
 def _fill(scenario: Scenario, store: UnitStore) -> dict[str, Any]:
     for unit in _stored(plan_units(scenario)):
-        table = solutions_to_table(idle_solutions(scenario, unit.tasks), Sizes.of(scenario))
+        table = solutions_to_table(idle_solutions(scenario, unit.tasks), unit.scenario.as_data())
         part = io.BytesIO()
         write_sealed(part, table.schema, [table], unit_record(unit, {}))
         path = store.path(unit.digest)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import asdict, dataclass
-from typing import Literal
+from typing import Any, Literal
 
 # solved: stored now. already: another process had stored it. failed: given up after too many attempts, stored so.
 # raised: the solver threw (the child's word only, it costs an attempt). refused: the run itself cannot go on.
@@ -25,10 +25,9 @@ class Receipt:
         return json.dumps(asdict(self)) + "\n"
 
     @classmethod
-    def from_line(cls, line: str | bytes) -> Receipt:
-        """Inverse of `to_line`. Raises ValueError for anything else."""
+    def from_data(cls, data: Any) -> Receipt:
+        """Inverse of `to_line`, whose line was read as JSON. Raises ValueError for anything else."""
         try:
-            data = json.loads(line)
             return cls(**{**data, "attempts": tuple(data["attempts"])})
         except (KeyError, TypeError) as error:
             raise ValueError(f"not a receipt: {error}") from None

@@ -2,23 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import math
-import os
 import secrets
-import select
-import subprocess
-import sys
-import tempfile
 import threading
-import time
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
-from typing import IO
 
-from gaitflow.execute.reap import reap
+from gaitflow.execute.line_process import LineProcess, Lost
 from gaitflow.execute.receipt import Receipt
 from gaitflow.execute.solver_process import SOLVE
 from gaitflow.files import WriteError
@@ -27,11 +19,10 @@ from gaitflow.store.journal import Journal
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import Unit
 
-ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+MODULE = "gaitflow.execute.solver_process"
 START_UP_S = 60.0
 LONGEST_UNIT_S = 3600.0
 STORING_S = 2.0  # a process asked to end may first finish the part that it is writing
-CHUNK = 1 << 16
 ASKED_TO_END = "crashed: SIGTERM"  # no solver ends like this by itself, so it is not the unit's fault
 
 
@@ -39,23 +30,18 @@ class SolverClosed(Exception):
     """The worker is being closed: this says nothing about the unit, which has to be solved elsewhere."""
 
 
-class _Lost(Exception):
-    """The solver process ended or hung; the message is the reason of an attempt."""
-
-
 class Solver:
     """One solver process, restarted when it is lost. `run` may be called by one thread, `close` by any."""
 
     def __init__(self, solve: str = SOLVE) -> None:
         self._solve = solve
-        self._process: subprocess.Popen[bytes] | None = None
+        self._process: LineProcess | None = None
         self._name = ""  # of that process in the journal
+        self._last_words = ""  # what it said in the last attempt
         self._in_work: tuple[Journal, str] | None = None
-        self._errors: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115, lives as long as this object
         self._closed = False
         self._lock = threading.Lock()
-        # The kernel's "parent died" means the *thread* that started a child, so that thread must stay.
-        self._starter = ThreadPoolExecutor(1, "solver-starter")
+        self._starter = ThreadPoolExecutor(1, "solver-starter")  # a thread that stays, as `LineProcess` needs it
 
     def run(self, unit: Unit, store: UnitStore, limit_s: float | None = None) -> Receipt:
         """Have a unit solved and stored, at most MAX_ATTEMPTS times over all runs; then it is stored as failed.
@@ -70,7 +56,7 @@ class Solver:
                 if receipt.outcome != "raised":
                     return replace(receipt, attempts=tuple(lost))
                 lost.append(receipt.error)
-                store.attempts.record(unit, receipt.error, self._tail())
+                store.attempts.record(unit, receipt.error, self._last_words)
             attempts = store.attempts.of(unit)
             rows = failed_solutions(unit, attempts)
             kept = store.write(unit, rows, {})
@@ -83,11 +69,7 @@ class Solver:
         with self._lock:
             self._closed = True
             if self._process is not None:  # whoever waits for its answer tidies up
-                self._process.terminate()
-                with suppress(subprocess.TimeoutExpired):
-                    self._process.wait(STORING_S)
-                self._process.kill()
-                self._process.wait()
+                self._process.terminate(STORING_S)
             self._note_end()
         self._starter.shutdown(wait=False)
 
@@ -95,14 +77,13 @@ class Solver:
         request = {"unit": unit.as_data(), "store": str(store.folder.resolve())}
         try:
             process = self._started(unit, store)
-            self._errors.seek(0)
-            self._errors.truncate()
-            line = json.dumps(request | {"solver": self._name}) + "\n"
-            receipt = Receipt.from_line(_ask(process, line.encode(), limit))
+            receipt = Receipt.from_data(process.ask(request | {"solver": self._name}, limit))
+            if receipt.outcome == "raised":
+                self._last_words = _last_words(process)
             with self._lock:
                 self._note_end(stored=receipt.outcome in ("solved", "already"))
             return receipt
-        except _Lost as lost:
+        except Lost as lost:
             with self._lock:
                 ending = self._end()
                 self._note_end()
@@ -112,33 +93,24 @@ class Solver:
                 raise SolverClosed("the solver was asked to end, as Slurm asks every process of a job") from None
             return Receipt(unit.digest, "raised", str(lost) or ending)
 
-    def _started(self, unit: Unit, store: UnitStore) -> subprocess.Popen[bytes]:
+    def _started(self, unit: Unit, store: UnitStore) -> LineProcess:
         with self._lock:
             if self._closed:
                 raise SolverClosed("the worker is closing")
-            if self._process is None or self._process.poll() is not None:
-                self._process = self._starter.submit(self._start).result()
+            if self._process is None or not self._process.alive:
+                self._process = self._starter.submit(LineProcess, MODULE, ["--solve", self._solve]).result()
                 self._name = f"{self._process.pid}-{secrets.token_hex(4)}"
             self._in_work = Journal(store.folder / "journal", self._name), unit.digest
             return self._process
 
-    def _start(self) -> subprocess.Popen[bytes]:
-        module = "gaitflow.execute.solver_process"
-        return subprocess.Popen(
-            [sys.executable, "-m", module, "--parent", str(os.getpid()), "--solve", self._solve],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=self._errors,
-            env=os.environ | ONE_THREAD,
-            start_new_session=True,  # a terminal's Ctrl-C is not meant for it
-        )
-
     def _end(self) -> str:
-        """Kill and reap the process; what ended it when it was not us."""
+        """Kill the process; what ended it when it was not us."""
         process, self._process = self._process, None
         if process is None:
             return "lost"
-        return reap(process)
+        ending = process.end()
+        self._last_words = _last_words(process)
+        return ending
 
     def _note_end(self, stored: bool = False) -> None:
         """Write down, once, that the unit in work came to an end that we saw: its worker did not vanish."""
@@ -147,11 +119,6 @@ class Solver:
             journal, unit = in_work
             with suppress(OSError):  # a full disk: the unit counts as vanished once, which decides nothing
                 journal.ended(unit)
-
-    def _tail(self) -> str:
-        self._errors.seek(0)
-        lines = self._errors.read(1 << 20).decode(errors="replace").splitlines()
-        return "\n".join(line for line in lines if not line.startswith("Extension modules:"))  # says nothing here
 
 
 def time_limit(unit: Unit) -> float:
@@ -175,21 +142,5 @@ def longest_unit_s(units: Iterable[Unit]) -> float:
     return max(map(time_limit, kinds.values()), default=0.0)
 
 
-def _ask(process: subprocess.Popen[bytes], request: bytes, limit: float) -> bytes:
-    """Send a line and wait for a line. Raises _Lost, with a reason when the process hung."""
-    assert process.stdin is not None and process.stdout is not None
-    try:
-        process.stdin.write(request)
-        process.stdin.flush()
-    except OSError:
-        raise _Lost("") from None
-    deadline, answer = time.monotonic() + limit, b""
-    while not answer.endswith(b"\n"):
-        left = deadline - time.monotonic()
-        if left <= 0 or not select.select([process.stdout], [], [], left)[0]:
-            raise _Lost(f"hung: no answer in {limit:.0f} s")
-        block = os.read(process.stdout.fileno(), CHUNK)
-        if not block:
-            raise _Lost("")
-        answer += block
-    return answer
+def _last_words(process: LineProcess) -> str:
+    return "\n".join(line for line in process.said() if not line.startswith("Extension modules:"))  # of a traceback

@@ -2,11 +2,10 @@ from __future__ import annotations
 
 import json
 import time
-from io import StringIO
 
 import pytest
 
-from benchmarks.child import Child, ChildError, Lost, serve
+from benchmarks.child import Child, ChildError, Lost, answers_of
 
 pytestmark = pytest.mark.usefixtures("bench_factories")
 
@@ -49,12 +48,8 @@ def test_an_exception_is_no_loss_but_an_error_of_ours() -> None:
         child.call(30, do="add")
 
 
-def test_serving_tells_the_cpu_time_with_every_answer() -> None:
-    answers = StringIO()
-    serve(['{"iterable": [3, 1, 2]}\n'], answers, "builtins:sorted")
-    assert "error" in json.loads(answers.getvalue())
-    answers = StringIO()
-    serve(['{"real": 2.5}\n'], answers, "builtins:complex")
-    told = json.loads(answers.getvalue())
+def test_every_answer_tells_the_cpu_time() -> None:
+    assert "error" in json.loads(answers_of("builtins:sorted")({"iterable": [3, 1, 2]}))
+    told = json.loads(answers_of("builtins:complex")({"real": 2.5}))
     assert told["result"] is None
     assert told["cpu_s"] > 0

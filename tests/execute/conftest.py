@@ -21,8 +21,10 @@ def scenario(checkout: Path) -> Scenario:
     """Quickstart with 2 speeds, 2 durations and 2 held-out tasks, one task a unit."""
     data = load_scenario(checkout / "configs/scenarios/quickstart.yaml").as_data()
     data["tasks"] = {
-        "speed": {"start": 0.1, "stop": 1.1, "count": 2},
-        "cycle_duration": {"start": 0.4, "stop": 0.8, "count": 2},
+        "axes": {
+            "speed": {"start": 0.1, "stop": 1.1, "count": 2},
+            "cycle_duration": {"start": 0.4, "stop": 0.8, "count": 2},
+        },
         "held_out": 2,
     }
     data["strategy"]["tasks_per_unit"] = 1

@@ -14,7 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from gaitflow.config.scenario import Scenario
-from gaitflow.config.tasks import Task
+from gaitflow.core.task import Task
 from gaitflow.search.solution import Solution
 
 
@@ -26,9 +26,7 @@ def steady(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | N
     time.sleep(float(os.environ.get("FAKE_SLEEP", "0")))
     return [
         Solution(
-            speed=task.speed,
-            cycle_duration=task.cycle_duration,
-            split=task.split,
+            task=task,
             pattern="0110/1100",
             gait="0110/1100",
             strategy=scenario.strategy.name,

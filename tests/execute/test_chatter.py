@@ -24,5 +24,5 @@ def test_a_full_disk_under_a_solvers_chatter_does_not_lose_its_solution(
         done = subprocess.run(
             [*command, "--solve", "fakes:steady"], input=request.encode(), stdout=subprocess.PIPE, stderr=full
         )
-    assert Receipt.from_line(done.stdout) == Receipt(units[0].digest, "solved")
+    assert Receipt.from_data(json.loads(done.stdout)) == Receipt(units[0].digest, "solved")
     assert store.has(units[0])

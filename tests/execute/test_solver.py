@@ -40,7 +40,7 @@ def solver(name: str) -> Solver:
 
 
 def statuses(store: UnitStore, unit: Unit) -> set[tuple[str, str]]:
-    return {(row.status, row.solver_status) for row in table_to_solutions(store.read(unit))}
+    return {(row.status, row.solver_status) for row in table_to_solutions(store.read(unit), unit.scenario.as_data())}
 
 
 def test_units_are_solved_and_stored_and_chatter_stays_out(store: UnitStore, units: tuple[Unit, ...]) -> None:
@@ -228,7 +228,7 @@ def test_the_real_solver_solves_and_its_record_tells_how(scenario: Scenario, sto
     unit = plan_units(Scenario.from_data(data, "test"))[1]
     made.append(Solver())
     assert made[-1].run(unit, store).outcome == "solved"
-    (row,) = table_to_solutions(store.read(unit))
+    (row,) = table_to_solutions(store.read(unit), unit.scenario.as_data())
     assert row.status == "solved" and row.violation <= 1e-6 and row.cost > 0 and row.trajectory is not None
     record = read_record(pq.read_metadata(store.path(unit.digest)).metadata, "part")
     assert record["solver_options"]["ipopt"]["tol"] <= 1e-6
@@ -257,7 +257,7 @@ def test_the_longest_unit_of_many_builds_one_scenario_a_kind(scenario: Scenario)
     data["strategy"] |= {
         "name": "fixed_gait", "pattern": "0110/1100", "restarts": 2, "solve_time_limit": 5.0, "tasks_per_unit": 2
     }  # fmt: skip
-    data["tasks"]["speed"]["count"] = 5
+    data["tasks"]["axes"]["speed"]["count"] = 5
     units = plan_units(Scenario.from_data(data, "test"))
     assert {len(unit.tasks) for unit in units} == {1, 2}
     assert longest_unit_s(units) == 60 + 2 * 3 * 5

@@ -8,9 +8,9 @@ import sys
 from pathlib import Path
 
 from gaitflow.config.cluster import Profile, lifetime
+from gaitflow.execute.line_process import ONE_THREAD
 from gaitflow.execute.schedulers.jobs import DRIVER, comment
 from gaitflow.execute.settings import exports
-from gaitflow.execute.solver import ONE_THREAD
 from gaitflow.execute.tls import tls_files
 
 DEATH_TIMEOUT_S = 60  # a worker that finds no scheduler ends

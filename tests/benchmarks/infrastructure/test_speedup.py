@@ -16,7 +16,8 @@ from gaitflow.store.units import plan_units
 
 def test_tasks_are_spread_over_the_scenario_s_rectangle(scenario: Scenario) -> None:
     cut = spread(scenario, 36)
-    assert cut.tasks.speed.start == scenario.tasks.speed.start and cut.tasks.speed.stop == scenario.tasks.speed.stop
+    wide, cut_wide = scenario.tasks.ranges["speed"], cut.tasks.ranges["speed"]
+    assert (cut_wide.start, cut_wide.stop) == (wide.start, wide.stop)
     units = plan_units(cut)
     assert {len(unit.tasks) for unit in units} == {1}, "the last unit of a long one leaves the other worker idle"
     assert len(units) == 36
