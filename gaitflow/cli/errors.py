@@ -26,6 +26,18 @@ def fail(message: str) -> NoReturn:
 
 
 @contextmanager
+def refused_artifact() -> Iterator[None]:
+    """A map that cannot be used is bad input; one that needs its code to be trusted names the option."""
+    from gaitflow.runtime import ArtifactError
+
+    try:
+        yield
+    except ArtifactError as error:
+        hint = "; here: --trust-code" if "trust_code" in str(error) else ""
+        raise ConfigError(f"{error}{hint}") from None
+
+
+@contextmanager
 def bad_input() -> Iterator[None]:
     """One clear line and exit code 2 for what the user gave us, 1 for a stage that is missing or a full disk."""
     try:

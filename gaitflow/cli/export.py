@@ -6,9 +6,8 @@ from pathlib import Path
 
 import click
 
-from gaitflow.cli.errors import bad_input, fail, print_json
+from gaitflow.cli.errors import bad_input, fail, print_json, refused_artifact
 from gaitflow.cli.options import json_option
-from gaitflow.config.file import ConfigError
 
 
 @click.command()
@@ -32,13 +31,8 @@ def export(model: Path, folder: Path, trust_code: bool, as_json: bool) -> None:
         from gaitflow.export import export_c
     except ImportError as missing:
         fail(f'an export needs {missing.name}: pip install "gaitflow[solve,learn]"')
-    from gaitflow.runtime import ArtifactError
-
-    with bad_input():
-        try:
-            done = export_c(model, folder, trust_code)
-        except ArtifactError as error:
-            raise ConfigError(str(error)) from None
+    with bad_input(), refused_artifact():
+        done = export_c(model, folder, trust_code)
     if as_json:
         return print_json({"model": str(done.model), "folder": str(done.folder), "files": done.sizes})
     click.echo(f"{done.model} -> {done.folder}")

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gaitflow.cli.errors import bad_input, fail, print_json
+from gaitflow.cli.errors import bad_input, fail, print_json, refused_artifact
 from gaitflow.cli.options import json_option, task_options
-from gaitflow.config.file import ConfigError
 from gaitflow.core.task import AXES
 
 if TYPE_CHECKING:
@@ -39,17 +38,15 @@ def plan(artifact: Path, axes: dict[str, Any], beyond: bool, trust_code: bool, a
     Example: gaitflow plan models/quickstart --speed 0.9 --cycle 0.6 --json
              gaitflow plan models/half-cheetah-exact-slopes --speed 0.9 --cycle 0.6 --slope -8
     """
-    from gaitflow.runtime import ArtifactError, GaitMap, OutOfDomain
+    from gaitflow.runtime import GaitMap, OutOfDomain
 
-    with bad_input():
+    with bad_input(), refused_artifact():
         try:
             answer = GaitMap.load(artifact, trust_code=trust_code).plan(beyond=beyond, **axes)
         except OutOfDomain as error:
             if as_json:
                 print_json(refused_data(axes))
             fail(f"{error}{'' if beyond else '; --beyond plans all the same'}")
-        except ArtifactError as error:
-            raise ConfigError(str(error)) from None
     if as_json:
         print_json(plan_data(answer))
     else:

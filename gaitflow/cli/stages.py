@@ -184,7 +184,7 @@ def publish(workspace: Workspace, scenario: str, version: str | None, as_json: b
 @click.command()
 @click.argument("scenario", required=False)
 @click.option("--claims", is_flag=True, help="Measure the paper's statements of section IV.A on the published labels.")
-@click.option("--exact-motion", is_flag=True, help="Write docs/exact-motion.md: Euler's maps beside the exact ones.")
+@click.option("--exact-motion", is_flag=True, help="Write docs/results/exact-motion.md: Euler's maps beside the exact.")
 @json_option
 @click.pass_obj
 def report(workspace: Workspace, scenario: str | None, claims: bool, exact_motion: bool, as_json: bool) -> None:

@@ -18,7 +18,7 @@ from gaitflow.store.units import Unit, plan_units
 def rows_of(unit: Unit) -> list[Solution]:
     return [
         Solution(
-            speed=task.speed, cycle_duration=task.cycle_duration, split=task.split, pattern="0110/1100",
+            task=task, pattern="0110/1100",
             gait="0110/1100", strategy="patterns", start="nominal", seed=0, status="infeasible", solver_status="",
             cost=float("nan"), violation=float("nan"), iterations=1, solves=1, wall_s=0.0, cpu_s=0.0,
         )

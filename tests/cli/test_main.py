@@ -14,6 +14,8 @@ import yaml
 from click.testing import CliRunner, Result
 
 from gaitflow.cli import main
+from gaitflow.cli.plan import PLAN_KEYS
+from gaitflow.core.task import AXES
 from gaitflow.pipeline import stages
 from gaitflow.pipeline.workspace import Workspace
 from gaitflow.store.parts import UnitStore
@@ -26,11 +28,9 @@ def small(**changes: Any) -> dict[str, Any]:
     """A scenario of 6 tasks with 3 knots a phase, which solves in seconds and has two gaits or more."""
     data = yaml.safe_load((REPO / "configs/scenarios/quickstart.yaml").read_text())
     data["name"] = "small"
-    data["transcription"]["knots_per_phase"] = 3
-    data["tasks"] = {
-        "speed": {"start": 0.3, "stop": 1.9, "count": 3},
-        "cycle_duration": {"start": 0.4, "stop": 0.8, "count": 2},
-    }
+    data["transcription"] = {"phases": 4, "knots_per_phase": 3}
+    axes = {"speed": {"start": 0.3, "stop": 1.9, "count": 3}, "cycle_duration": {"start": 0.4, "stop": 0.8, "count": 2}}
+    data["tasks"] = {"axes": axes}
     data["learning"] = {"folds": 2, "max_epochs": 30, "hidden_layers": [[10, 10, 10]], "learning_rates": [0.01]}
     return data | changes
 
@@ -66,7 +66,7 @@ def test_the_stages_publish_a_map_that_answers_and_verifies(solved: Path) -> Non
     done = call(solved, "plan", str(model.parent), "--speed", "1.1", "--cycle", "0.6", "--json")
     plan = json.loads(done.stdout)
     assert done.exit_code == 0
-    assert set(plan) == set(stages.PLAN_KEYS)
+    assert set(plan) == {"task", *PLAN_KEYS} and plan["task"] == {"speed": 1.1, "cycle_duration": 0.6}
     assert plan["feasible"] and plan["violation"] <= 1e-6
     assert sum(plan["durations"]) == pytest.approx(0.6)
     assert plan["path"] == "fast" and plan["in_domain"] and 0 < plan["distance"] < 0.71
@@ -79,22 +79,48 @@ def test_the_atlas_tells_its_nodes_and_how_the_predictors_did(solved: Path) -> N
     data = json.loads(done.stdout)
     assert done.exit_code == 0
     assert (solved / "runs/small/learning/atlas.safetensors").read_bytes() == before, "equal datasets, equal atlases"
-    assert data == json.loads((solved / "runs/small/learning/predictors.json").read_text())
-    assert set(data) == {"gaits", "nodes", "solves", "modes", "predictors"}
-    assert data["solves"] >= sum(data["nodes"].values()) > 6
-    assert {row["predictor"] for row in data["predictors"]} == {"nodes", "mean", "cubic", "kernel"}
+    assert set(data) == {"gaits", "nodes", "solves", "modes", "bytes", "predictions"}
+    assert data["bytes"] == len(before) and sum(data["nodes"].values()) > 6
+    judged = data["predictions"]
+    assert 0 < judged["converged"] <= judged["tasks"]
     text = (solved / "atlas.txt").read_text()
     for pattern, nodes in data["nodes"].items():
         assert f"{nodes:6d} nodes  {pattern}\n" in text
-    assert text.count(" iterations from ") == len(data["predictors"])
-    assert f"{data['solves']} solves, {data['modes']} modes published" in text
+    assert f"{judged['converged']} of {judged['tasks']} predictions" in text
+    assert f"{data['solves']} solves, {data['modes']} modes" in text
 
 
 def test_labels_are_printed_as_published(solved: Path) -> None:
     rows = json.loads(call(solved, "labels", str(solved / "datasets/small/1.0.0"), "--json").stdout)
     assert len(rows) == 6
-    assert {"speed", "cycle_duration", "gait", "pattern", "cost", "margin", "runner_up", "status"} <= set(rows[0])
-    assert all(row["status"] == "solved" and row["gap_between_knots"] > 0 for row in rows)
+    told = {
+        "speed",
+        "cycle_duration",
+        "gait",
+        "pattern",
+        "cost",
+        "margin",
+        "runner_up",
+        "status",
+        "cost_error",
+        "resolved",
+    }
+    assert told <= set(rows[0])
+    assert all(row["status"] == "solved" and isinstance(row["resolved"], bool) for row in rows)
+    lines = call(solved, "labels", str(solved / "datasets/small/1.0.0")).stdout.splitlines()
+    assert len(lines) == 6 and lines[0].startswith(" 0.300 m/s   0.400 s  ")
+
+
+def test_older_labels_are_printed_and_other_files_refused(checkout: Path, tmp_path: Path) -> None:
+    rows = json.loads(
+        call(tmp_path, "labels", str(checkout / "datasets/half-cheetah-flat-effort/1.0.0"), "--json").stdout
+    )
+    assert len(rows) == 124 and rows[0]["resolved"] is None and rows[0]["cost_error"] is None
+    pd.DataFrame({"speed": [1.0]}).to_parquet(tmp_path / "odd.parquet")
+    (tmp_path / "text.parquet").write_text("text")
+    for name, says in (("odd", "column cycle_duration is missing"), ("text", "no readable labels")):
+        done = call(tmp_path, "labels", str(tmp_path / f"{name}.parquet"))
+        assert done.exit_code == 2 and says in done.stderr and len(done.stderr.splitlines()) == 1
 
 
 def test_status_counts_what_is_stored_and_needs_no_run(solved: Path, tmp_path: Path) -> None:
@@ -130,7 +156,7 @@ def test_a_damaged_dataset_is_found(solved: Path, tmp_path: Path) -> None:
         content[len(content) // 3] ^= 4
         (copy / name).write_bytes(content)
         done = call(solved, "verify", str(copy))
-        assert done.exit_code == 1 and f"{name}: damaged" in done.stdout
+        assert done.exit_code == 1 and f"{name}: its content is not what the manifest lists" in done.stdout
         content[len(content) // 3] ^= 4
         (copy / name).write_bytes(content)
     assert call(solved, "verify", str(copy)).exit_code == 0
@@ -142,12 +168,53 @@ def test_out_of_domain_fails_and_nan_is_bad_input(solved: Path) -> None:
     assert far.exit_code == 1
     refused = json.loads(far.stdout)
     assert refused["in_domain"] is False and refused["feasible"] is False and refused["gait"] is None
-    assert set(refused) == set(stages.PLAN_KEYS)
+    assert set(refused) == {"task", *PLAN_KEYS}
     assert "speed = 9 m/s is outside" in far.stderr
     beyond = call(solved, "plan", model, "--speed", "2.0", "--cycle", "0.6", "--beyond")
     assert "outside the map's domain, " in beyond.stdout and "feasible:    " in beyond.stdout
-    nan = call(solved, "plan", model, "--speed", "nan", "--cycle", "0.6")
-    assert nan.exit_code == 2 and "speed = nan" in nan.stderr
+    beyond = json.loads(call(solved, "plan", model, "--speed", "2.0", "--cycle", "0.6", "--beyond", "--json").stdout)
+    assert beyond["in_domain"] is False and beyond["distance"] > 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["--speed", "nan", "--cycle", "0.6"], "speed = nan: must be a finite number"),
+        (["--speed", "1.1"], "needs cycle_duration as well; the axes are speed, cycle_duration"),
+        (
+            ["--speed", "1.1", "--cycle", "0.6", "--slope", "-8"],
+            "slope = -8: it is fixed at 0 deg here; the axes are speed",
+        ),
+        (
+            ["--speed", "1.1", "--cycle", "0.6", "--speed", "1.2"],
+            "--speed is given 2 times: 1.1 and 1.2; a task has one",
+        ),
+        (["--speed", "1.1", "--cycle", "0.6", "--cycle-duration", "0.7"], "--cycle is given 2 times: 0.6 and 0.7"),
+    ],
+    ids=["nan", "missing", "lacking", "twice", "twice by two names"],
+)
+def test_a_task_that_is_none_of_the_maps_is_one_clear_line(solved: Path, arguments: list[str], says: str) -> None:
+    done = call(solved, "plan", str(solved / "models/small"), *arguments)
+    assert done.exit_code == 2 and says in done.stderr
+    assert len(done.stderr.splitlines()) == 1 and not done.stdout
+
+
+def test_an_axis_that_a_map_holds_may_be_given_with_its_value(solved: Path) -> None:
+    task = ["--speed", "1.1", "--cycle", "0.6", "--friction", "0.8", "--slope", "0"]
+    done = call(solved, "plan", str(solved / "models/small"), *task)
+    assert done.exit_code == 0 and "task:        speed 1.1 m/s, cycle_duration 0.6 s" in done.stdout
+
+
+def test_code_in_an_older_map_is_run_only_when_told(checkout: Path, tmp_path: Path) -> None:
+    arguments = ["plan", str(checkout / "models/half-cheetah-flat-effort/1.1.0"), "--speed", "0.9", "--cycle", "0.6"]
+    refused = call(tmp_path, *arguments)
+    assert refused.exit_code == 2 and "--trust-code" in refused.stderr and len(refused.stderr.splitlines()) == 1
+    assert call(tmp_path, *arguments, "--trust-code").exit_code == 0
+
+
+def test_every_axis_of_the_register_is_an_option() -> None:
+    told = CliRunner().invoke(main, ["plan", "--help"]).stdout
+    assert all(f"--{axis.replace('_', '-')}" in told for axis in AXES)
 
 
 def test_a_foreign_part_is_quarantined_named_and_solved_again(solved: Path, tmp_path: Path) -> None:
@@ -208,10 +275,10 @@ def test_a_missing_stage_names_the_command(tmp_path: Path) -> None:
 
 
 def test_tasks_without_any_gait_cannot_be_learnt(tmp_path: Path) -> None:
-    root = make_root(tmp_path, tasks={
-        "speed": {"start": 30.0, "stop": 31.0, "count": 2},
+    root = make_root(tmp_path, tasks={"axes": {
+        "speed": {"start": 19.0, "stop": 20.0, "count": 2},
         "cycle_duration": {"start": 0.4, "stop": 0.5, "count": 2},
-    })  # fmt: skip
+    }})  # fmt: skip
     assert call(root, "solve", "small").exit_code == 0
     label = call(root, "label", "small")
     assert label.exit_code == 0 and "4  infeasible" in label.stdout
@@ -256,13 +323,25 @@ def test_a_full_disk_loses_nothing_and_says_the_way_out(
 def test_claims_without_published_datasets_are_not_measured(tmp_path: Path) -> None:
     done = call(make_root(tmp_path), "report", "--claims", "--json")
     assert done.exit_code == 0
-    assert {row["verdict"] for row in json.loads(done.stdout)} == {"not measured"}
+    assert {row[key] for row in json.loads(done.stdout) for key in ("verdict", "exact_verdict")} == {"not measured"}
+
+
+def test_maps_stand_side_by_side_when_both_are_published(checkout: Path, tmp_path: Path) -> None:
+    missing = call(tmp_path, "report", "--exact-motion")
+    assert missing.exit_code == 2 and "publish one of each first" in missing.stderr
+    for name in ("half-cheetah-flat-effort", "half-cheetah-exact-effort"):
+        shutil.copytree(checkout / "datasets/half-cheetah-flat-effort/1.0.0", tmp_path / "datasets" / name / "1.0.0")
+    done = call(tmp_path, "report", "--exact-motion")
+    assert done.exit_code == 0, done.output
+    files = ["images/exact-half-cheetah-flat-effort.png", "results/exact-motion.md"]
+    assert done.stdout.splitlines() == [str(tmp_path / "docs" / name) for name in files]
 
 
 def test_report_wants_a_scenario_or_claims(tmp_path: Path) -> None:
     root = make_root(tmp_path)
     assert call(root, "report").exit_code == 2
     assert call(root, "report", "small", "--claims").exit_code == 2
+    assert call(root, "report", "--exact-motion", "--claims").exit_code == 2
 
 
 def test_every_command_explains_itself_with_an_example() -> None:

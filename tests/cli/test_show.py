@@ -33,8 +33,9 @@ def spatial(checkout: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A collected dataset of two tasks of ANYmal's walking trot with 4 knots a phase."""
     data = load_scenario(checkout / "tests/data/scenarios/anymal-flat-vibration.yaml").as_data()
     data["transcription"]["knots_per_phase"] = 4
-    data["tasks"]["speed"] = {"start": 0.2, "stop": 0.4, "count": 2}
-    data["tasks"]["cycle_duration"] = {"start": 0.8, "stop": 0.8, "count": 1}
+    axes = data["tasks"]["axes"]
+    axes["speed"] = {"start": 0.2, "stop": 0.4, "count": 2}
+    axes["cycle_duration"] = {"start": 0.8, "stop": 0.8, "count": 1}
     data["strategy"] = {"name": "fixed_gait", "pattern": PATTERN}
     scenario = Scenario.from_data(data, "test")
     store = UnitStore(tmp_path_factory.mktemp("runs") / scenario.name)
@@ -51,7 +52,7 @@ def test_without_a_file_to_write_it_lists_the_gaits_of_the_nearest_task(planar: 
     assert [one["rank"] for one in data["gaits"]] == list(range(1, len(data["gaits"]) + 1))
     assert data["files"] == []
     lines = ask(planar, "--speed", 1.0, "--cycle", 0.62).stdout.splitlines()
-    assert lines[0].startswith(f"nearest stored task: {data['speed']:g} m/s") and "(asked: 1, 0.62)" in lines[0]
+    assert lines[0].startswith(f"nearest stored task: speed {data['speed']:g} m/s") and "(asked: 1, 0.62)" in lines[0]
     assert [line.split()[0] for line in lines[1:]] == [str(one["rank"]) for one in data["gaits"]]
 
 
@@ -72,7 +73,9 @@ def test_it_draws_a_motion_in_space_from_a_run(spatial: Path, tmp_path: Path) ->
     page, strip = tmp_path / "motion.html", tmp_path / "motion.png"
     answer = ask(spatial, "--speed", 0.38, "--cycle", 0.7, "--output", page, "--strip", strip)
     assert answer.exit_code == 0, answer.output
-    assert answer.stdout.splitlines()[0] == "nearest stored task: 0.4 m/s, 0.8 s (asked: 0.38, 0.7)"
+    assert (
+        answer.stdout.splitlines()[0] == "nearest stored task: speed 0.4 m/s, cycle_duration 0.8 s (asked: 0.38, 0.7)"
+    )
     assert "walking trot" in answer.stdout
     html = page.read_text(encoding="utf-8")
     assert "<h1>walking trot</h1>" in html and PATTERN in html and "NOT feasible" not in html
@@ -83,11 +86,14 @@ def test_it_draws_a_motion_in_space_from_a_run(spatial: Path, tmp_path: Path) ->
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (["--speed", "nan", "--cycle", "0.6"], "must be finite"),
+        (["--speed", "nan", "--cycle", "0.6"], "speed = nan m/s: must lie in -20 to 20 m/s"),
+        (["--speed", "21", "--cycle", "0.6"], "speed = 21 m/s: must lie in -20 to 20 m/s"),
+        (["--speed", "1", "--cycle", "0.6", "--speed", "2"], "--speed is given 2 times"),
+        (["--speed", "1", "--cycle", "0.6", "--slope", "4"], "slope = 4: it is fixed at 0 deg here"),
         (["--speed", "1", "--cycle", "0.6", "--gait", "moonwalk"], "gait 'moonwalk': not among"),
         (["--speed", "1", "--cycle", "0.6", "--rank", "9"], "rank 9: only its cost was stored"),
         (["--speed", "1", "--cycle", "0.6", "--rank", "1", "--gait", "gallop"], "not both"),
-        (["--speed", "1"], "--cycle"),
+        (["--speed", "1"], "needs cycle_duration as well"),
     ],
 )
 def test_what_cannot_be_shown_is_one_clear_line(planar: Path, arguments: list[str], says: str) -> None:
