@@ -185,11 +185,15 @@ class Scenario(Config):
         return kept | {"axes": [axis for axis in AXES if self.tasks.varies(axis)]}
 
     def symmetry(self, task: Task) -> Symmetry:
-        """Which patterns are one gait at a task: the images under which robot, ground and task stay as they are."""
+        """Which patterns are one gait at a task: the images under which robot, ground and task stay as they are.
+
+        While the body speeds up, a cycle is another motion from wherever it begins.
+        """
         robot = self.robot
         mirror = robot.mirror_permutation if robot.mirror and task.mirrored() == task else None
         reversible = self.transcription.time_symmetric and task.time_reversed() == task
-        return Symmetry(mirror, robot.reversal_permutation if reversible else None)
+        reversal = robot.reversal_permutation if reversible else None
+        return Symmetry(mirror, reversal, rotation=task["acceleration"] == 0)
 
 
 def digest_of(data: Any) -> str:

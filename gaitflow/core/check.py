@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitflow.core.continuous import between_knots, cost, step_gaps, step_shares
+from gaitflow.core.continuous import between_knots, cost, seen_from_frame, step_gaps, step_shares
 from gaitflow.core.rigid_body import Attitude, RigidBody, moment
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array, Trajectory
@@ -58,6 +58,9 @@ def violations(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task, 
     box = _largest_of(body.box_excess(position, angles, feet))
     if settings["integrator"] != "euler":
         box = max(box, _box_in_the_middle(body, trajectory, h))
+    reached = np.append(0.0, np.cumsum(h))
+    tangent = seen_from_frame(forces, np.stack([reached[:-1], reached[1:]]), task)[..., :-1]
+    fastest = float(robot["max_foot_speed"])
     closing = _closing(body, trajectory, task)
     lift = float(-body.default_feet[:, -1].min() + body.box[-1])
     return {
@@ -65,7 +68,7 @@ def violations(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task, 
         "foot motion": _largest(moved - h[:, None, None] * velocities),
         "periodicity": closing,
         "kinematic box": max(0.0, box),
-        "friction": _excess(np.abs(forces[..., :-1]) - task["friction"] * normal[..., None]) / weight,
+        "friction": _excess(np.abs(tangent) - task["friction"] * normal[..., None]) / weight,
         "unilaterality": _excess(-normal) / weight,
         "force limit": _excess(normal - float(robot["max_force"])) / weight,
         "force course": _largest(_off_course(trajectory, n, linear)) / weight,
@@ -74,7 +77,7 @@ def violations(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task, 
         "force in swing": _largest(forces[:, ~stance]) / weight,
         "slip in stance": _largest(moved[stance]),
         "lift in stance": max(_largest(feet[:-1][stance][..., -1]), _largest(feet[1:][stance][..., -1])),
-        "foot speed": _excess(np.abs(velocities) - float(robot["max_foot_speed"])),
+        "foot speed": _excess(np.abs(seen_from_frame(velocities, reached[:-1] + h / 2, task)) - fastest),
         "tilt": _excess(np.abs(limited) - float(robot["max_tilt"])),
         "cycle": abs(float(trajectory.durations.sum()) - cycle) / cycle,
         "clock": max(abs(float(trajectory.times[0])), _largest(np.diff(trajectory.times) - h)) / cycle,

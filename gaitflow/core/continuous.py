@@ -53,7 +53,8 @@ def between_knots(
     phases = np.array([[digit == "1" for digit in row] for row in pattern.split("/")]).T
     stance = np.repeat(phases, len(motion.h) // len(phases), axis=0)
     normal = seen.forces[..., -1:]
-    slip = (np.abs(seen.forces[..., :-1]) - task["friction"] * normal)[:, stance]
+    tangent = seen_from_frame(seen.forces, seen.times, task)[..., :-1]
+    slip = (np.abs(tangent) - task["friction"] * normal)[:, stance]
     position, angles, _, _ = body.split(seen.base)
     return {
         "dynamics": float(np.abs(gaps).max()),
@@ -70,6 +71,14 @@ def step_gaps(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task) -
     """
     motion = Motion.of(scenario, trajectory, task)
     return np.asarray(trajectory.base[1:] - motion.at(np.arange(FINER + 1) / FINER).base[-1])
+
+
+def seen_from_frame(vectors: Array, times: Array, task: Task) -> Array:
+    """World vectors [..., legs, d] in the directions of the frame that follows the twist at times [...] s."""
+    if vectors.shape[-1] == 2 or task["yaw_rate"] == 0:
+        return vectors
+    ground = np.exp(-1j * task["yaw_rate"] * times)[..., None] * (vectors[..., 0] + 1j * vectors[..., 1])
+    return np.stack([ground.real, ground.imag, vectors[..., 2]], axis=-1)
 
 
 def step_shares(settings: Mapping[str, Any]) -> Array:

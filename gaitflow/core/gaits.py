@@ -2,13 +2,14 @@
 
 A pattern is Lambda of section III.A, one row of binaries a leg and one column a phase (1 = stance). Neither where the
 cycle is cut, nor a phase split in two, nor an image under a symmetry of robot and task makes another gait, so the
-canonical gait merges equal neighbouring phases and takes the smallest of all rotations and images.
+canonical gait merges equal neighbouring phases and takes the smallest of all rotations and images. Several patterns may
+realise one gait at different costs; those that cannot differ have one representative.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from reprlib import repr as short
 
@@ -17,15 +18,17 @@ MAX_ENUMERATED = 1 << 20  # patterns that all_patterns looks at, before symmetry
 
 @dataclass(frozen=True)
 class Symmetry:
-    """Under which images a pattern stays the same gait, besides where its cycle is cut.
+    """Under which images a pattern stays the same gait, and has the same cost.
 
     mirror: the permutation of the legs in a left-right mirror image (`Robot.mirror_permutation`), None where left and
     right are told apart. reversal: that of the body facing the other way (`Robot.reversal_permutation`), None where a
-    motion run backwards is another one.
+    motion run backwards is another one. rotation: whether the cycle may be cut anywhere, False while the body speeds
+    up: its rotations stay one gait, but they are other motions, each with a cost of its own.
     """
 
     mirror: tuple[int, ...] | None = None
     reversal: tuple[int, ...] | None = None
+    rotation: bool = True
 
 
 NO_SYMMETRY = Symmetry()
@@ -115,17 +118,17 @@ def _images(pattern: Pattern, symmetry: Symmetry) -> set[Pattern]:
         views += [view.mirrored(symmetry.mirror) for view in views]
     if symmetry.reversal is not None:
         views += [view.reversed(symmetry.reversal) for view in views]
-    return {view.rotated(cut) for view in views for cut in range(pattern.phases)}
+    return {view.rotated(cut) for view in views for cut in range(pattern.phases if symmetry.rotation else 1)}
 
 
 def representative(pattern: Pattern, symmetry: Symmetry = NO_SYMMETRY) -> Pattern:
-    """The smallest of the pattern's rotations and of its images', all phases kept."""
+    """The smallest of the patterns that are its equals in cost: rotations and images, all phases kept."""
     return min(_images(pattern, symmetry))
 
 
 def gait_of(pattern: Pattern, symmetry: Symmetry = NO_SYMMETRY) -> Pattern:
     """The canonical gait: equal for two patterns exactly when they differ by cut, split phases or an image."""
-    return representative(pattern.merged(), symmetry)
+    return representative(pattern.merged(), replace(symmetry, rotation=True))
 
 
 def all_patterns(

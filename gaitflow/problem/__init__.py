@@ -1,5 +1,6 @@
 """The gait problem, eq. (2)-(10) of the paper, one physical term a file; knows nothing of files."""
 
-from gaitflow.problem.transcription import Bounds, GaitProblem, transcribe
+from gaitflow.problem.bounds import Bounds
+from gaitflow.problem.transcription import GaitProblem, transcribe
 
 __all__ = ["Bounds", "GaitProblem", "transcribe"]

@@ -38,8 +38,8 @@ def fix_contacts(layout: Layout, pattern: Pattern, lower: Array, upper: Array) -
             else:
                 velocity = layout.foot_velocity(step, leg)
                 lower[velocity] = upper[velocity] = 0.0
-                # The first and the last knot are one place of the cycle. Left to the closing row alone, a height that is
-                # 0 would have no room above its bound, and no interior-point method likes that.
+                # The first and the last knot are one place of the cycle. Left to the closing row alone, a height that
+                # is 0 would have no room above its bound, and no interior-point method likes that.
                 closed = {step, step + 1} | ({layout.steps} if step == 0 else set())
                 closed |= {0} if step + 1 == layout.steps else set()
                 for knot in closed:

@@ -16,22 +16,12 @@ from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern
 from gaitflow.core.layout import Layout
 from gaitflow.core.task import AXES
-from gaitflow.core.trajectory import Array
 from gaitflow.problem import contact, friction, kinematics, periodicity, timing
+from gaitflow.problem.bounds import Bounds, constant_rows, physical_bounds
 from gaitflow.problem.dynamics import Body, Node, body_of, node
 from gaitflow.problem.objectives import StepCost
 from gaitflow.problem.step import base_defects
-from gaitflow.problem.task import task_parameters
-
-
-@dataclass(frozen=True)
-class Bounds:
-    """Bounds of a program: variables [nw] and rows [ng]."""
-
-    lower: Array
-    upper: Array
-    lower_rows: Array
-    upper_rows: Array
+from gaitflow.problem.task import TaskParameters, task_parameters
 
 
 @dataclass(frozen=True)
@@ -41,8 +31,9 @@ class GaitProblem:
     nlp: (w [nw], task [axes]) -> (cost [1], rows [ng]); the task's values are in the order and units of AXES.
     minlp: (w [nw + legs*phases], task [axes]) -> (cost [1], rows [ng_minlp]); the contacts follow w, leg-major.
     Rows come in groups: defects [K, nx], foot offsets at knots [K, legs*d] and, but for euler, in the middle of steps
-    [K, legs*d], friction [force nodes, legs*2(d-1)], periodicity [nx], cycle [1]; the minlp has big-M rows
-    [K, legs*(2d+2)], those of end forces [phases, legs], and, with one stance per leg, stance rows after them.
+    [K, legs*d], friction [force nodes, legs*2(d-1)], where the command may turn horizontal foot velocities
+    [K, legs*2], periodicity [nx], cycle [1]; the minlp has big-M rows [K, legs*(2d+2)], those of end forces
+    [phases, legs], and, with one stance per leg, stance rows after them.
     """
 
     scenario: Scenario
@@ -58,7 +49,7 @@ class GaitProblem:
     @cached_property
     def _free(self) -> Bounds:
         """Bounds before any pattern is imposed."""
-        return _physical_bounds(self.scenario, self.layout)
+        return physical_bounds(self.scenario, self.layout)
 
     def bounds(self, pattern: Pattern) -> Bounds:
         """Bounds of `nlp` that impose a pattern. Raises ValueError when its shape is not the scenario's.
@@ -75,7 +66,7 @@ class GaitProblem:
         lower, upper = self._free.lower.copy(), self._free.upper.copy()
         contact.fix_contacts(layout, pattern, lower, upper)
         lower_rows, upper_rows = self._free.lower_rows.copy(), self._free.upper_rows.copy()
-        constant = _constant_rows(layout, pattern, self.ng)
+        constant = constant_rows(layout, pattern, self.ng, self.scenario.tasks.varies("yaw_rate"))
         lower_rows[constant], upper_rows[constant] = -np.inf, np.inf
         return Bounds(lower, upper, lower_rows, upper_rows)
 
@@ -164,7 +155,8 @@ def _terms(scenario: Scenario, layout: Layout, w: ca.SX, parameters: ca.SX) -> t
     fractions, cycle = w[layout.fractions], task["cycle_duration"]
     times = _times(layout, fractions, cycle)
 
-    cost, defects, offsets, between, cones = ca.SX(0), [], [], [], []
+    cost = ca.SX(0)
+    defects, offsets, between, cones, speeds = [], [], [], [], []
     for k in range(layout.steps):
         start, end = nodes.start(k), nodes.end(k)
         h = cycle * fractions[layout.phase_of(k)] * layout.shares[k % layout.knots_per_phase]
@@ -176,12 +168,21 @@ def _terms(scenario: Scenario, layout: Layout, w: ca.SX, parameters: ca.SX) -> t
         offsets.append(kinematics.foot_offsets(robot, start.position, start.angles, start.feet))
         if rule != "euler":
             between.append(_middle_offsets(scenario, start, end, h))
-        cones.append(friction.friction_rows(task["friction"], [w[layout.force(k, leg)] for leg in range(layout.legs)]))
+        first = [task.into_frame(w[layout.force(k, leg)], times[k]) for leg in range(layout.legs)]
+        cones.append(friction.friction_rows(task["friction"], first))
         if layout.linear_forces and (k + 1) % layout.knots_per_phase == 0:
-            last = [w[layout.end_force(k, leg)] for leg in range(layout.legs)]
+            last = [task.into_frame(w[layout.end_force(k, leg)], times[k + 1]) for leg in range(layout.legs)]
             cones.append(friction.friction_rows(task["friction"], last))
+        if scenario.tasks.varies("yaw_rate"):
+            speeds += [velocity[:-1] for velocity in _foot_velocities(layout, w, task, times, k)]
     closing = periodicity.periodicity_rows(layout, w[layout.state(0)], w[layout.state(layout.steps)], task)
-    return cost, [*defects, *offsets, *between, *cones, closing, timing.cycle_row(fractions)]
+    return cost, [*defects, *offsets, *between, *cones, *speeds, closing, timing.cycle_row(fractions)]
+
+
+def _foot_velocities(layout: Layout, w: ca.SX, task: TaskParameters, times: list[ca.SX], step: int) -> list[ca.SX]:
+    """Velocities [d] m/s of the feet in the directions of the commanded frame, in the middle of a step."""
+    middle = (times[step] + times[step + 1]) / 2
+    return [task.into_frame(w[layout.foot_velocity(step, leg)], middle) for leg in range(layout.legs)]
 
 
 def _times(layout: Layout, fractions: ca.SX, cycle: ca.SX) -> list[ca.SX]:
@@ -207,10 +208,12 @@ def _minlp(scenario: Scenario, layout: Layout, cost_scale: float) -> ca.Function
     w, parameters = ca.SX.sym("w", layout.nw + contacts), ca.SX.sym("task", len(AXES))
     cost, groups = _terms(scenario, layout, w[: layout.nw], parameters)
     c = ca.reshape(w[layout.nw :], layout.phases, layout.legs)
-    groups += [
-        contact.big_m_rows(scenario.robot, layout, w[layout.state(k)], w[layout.control(k)], c[layout.phase_of(k), :].T)
-        for k in range(layout.steps)
-    ]
+    task = task_parameters(scenario.tasks, parameters)
+    times = _times(layout, w[layout.fractions], task["cycle_duration"])
+    for k in range(layout.steps):
+        forces = [w[layout.force(k, leg)] for leg in range(layout.legs)]
+        u = ca.vertcat(*forces, *_foot_velocities(layout, w, task, times, k))
+        groups.append(contact.big_m_rows(scenario.robot, layout, w[layout.state(k)], u, c[layout.phase_of(k), :].T))
     if layout.linear_forces:
         for phase in range(layout.phases):
             last = (phase + 1) * layout.knots_per_phase - 1
@@ -222,66 +225,3 @@ def _minlp(scenario: Scenario, layout: Layout, cost_scale: float) -> ca.Function
     return ca.Function(
         "minlp", [w, parameters], [cost / cost_scale, ca.vertcat(*groups)], ["w", "task"], ["cost", "rows"]
     )
-
-
-def _physical_bounds(scenario: Scenario, layout: Layout) -> Bounds:
-    """Limits of the robot and the shared rows: equalities, boxes and friction."""
-    robot, d, a = scenario.robot, layout.dimension, layout.angles
-    lower, upper = np.full(layout.nw, -np.inf), np.full(layout.nw, np.inf)
-    lift, force = contact.highest_lift(robot), robot.max_force / layout.weight
-    turning = scenario.tasks.varies("yaw_rate")
-    for knot in range(layout.steps + 1):
-        # A body that turns has no limit on its yaw, which is measured from where the cycle began.
-        angles = slice(layout.state(knot).start + d + (1 if turning else 0), layout.state(knot).start + d + a)
-        lower[angles], upper[angles] = -robot.max_tilt, robot.max_tilt
-        for leg in range(layout.legs):
-            height = layout.foot(knot, leg).stop - 1
-            lower[height], upper[height] = 0.0, lift  # eq. (7b)
-    for step in range(layout.steps):
-        for leg in range(layout.legs):
-            for node_force in (layout.force(step, leg), layout.end_force(step, leg)):
-                normal = node_force.stop - 1
-                lower[normal], upper[normal] = 0.0, force  # eq. (7a)
-            velocity = layout.foot_velocity(step, leg)
-            lower[velocity], upper[velocity] = -robot.max_foot_speed, robot.max_foot_speed
-    shortest, longest = timing.fraction_bounds(layout.phases, scenario.transcription.min_phase_fraction)
-    lower[layout.fractions], upper[layout.fractions] = shortest, longest
-    # Where the cycle starts along a straight path changes nothing; sideways, the lateral term says where the path is.
-    # On the circle of a turn velocity and yaw are measured against the commanded frame, so the cost says both.
-    fixed = 0 if turning else 1 if d == 2 or scenario.objective.lateral_foot else 2
-    start = layout.state(0).start
-    lower[start : start + fixed] = upper[start : start + fixed] = 0.0
-
-    looks = layout.steps if scenario.transcription.integrator == "euler" else 2 * layout.steps
-    box = np.tile(robot.box, looks * layout.legs)
-    cones = _force_nodes(layout) * layout.legs * 2 * (d - 1)
-    defects, closing = np.zeros(layout.steps * layout.nx), np.zeros(layout.nx + 1)
-    return Bounds(
-        lower,
-        upper,
-        np.concatenate([defects, -box, np.full(cones, -np.inf), closing]),
-        np.concatenate([defects, box, np.zeros(cones), closing]),
-    )
-
-
-def _force_nodes(layout: Layout) -> int:
-    """How many times in a cycle there are forces: a step's start each, and the end of a phase where they are linear."""
-    return layout.steps + (layout.phases if layout.linear_forces else 0)
-
-
-def _constant_rows(layout: Layout, pattern: Pattern, rows: int) -> Array:
-    """Mask [ng] of the rows that a pattern makes constant: foot height in stance, friction in swing."""
-    d, steps = layout.dimension, layout.steps
-    columns = np.array([pattern.column(layout.phase_of(k)) for k in range(steps)], dtype=bool)
-    defects = np.zeros((steps, layout.nx), dtype=bool)
-    heights = layout.nb + d * np.arange(layout.legs) + d - 1
-    defects[:, heights] = columns
-    nodes = columns
-    if layout.linear_forces:  # a phase has one more of them than steps
-        per_phase = columns.reshape(layout.phases, layout.knots_per_phase, layout.legs)
-        nodes = np.concatenate([per_phase, per_phase[:, -1:]], axis=1).reshape(-1, layout.legs)
-    cones = np.repeat(~nodes, 2 * (d - 1), axis=1)
-    closing = np.zeros(layout.nx + 1, dtype=bool)
-    closing[heights] = columns[0] | columns[-1]
-    offsets = np.zeros(rows - defects.size - cones.size - closing.size, dtype=bool)
-    return np.concatenate([defects.ravel(), offsets, cones.ravel(), closing])

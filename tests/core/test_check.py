@@ -126,13 +126,14 @@ def test_agrees_with_the_rows_of_the_program(
     d, steps, legs = layout.dimension, layout.steps, layout.legs
     middles = 0 if integrator == "euler" else steps
     nodes = steps + (layout.phases if forces == "linear" else 0)
-    sizes = [steps * layout.nx, (steps + middles) * legs * d, nodes * legs * 2 * (d - 1), layout.nx, 1]
+    speeds = steps * legs * 2 if "yaw_rate" in axes else 0  # else they are bounds
+    sizes = [steps * layout.nx, (steps + middles) * legs * d, nodes * legs * 2 * (d - 1), speeds, layout.nx, 1]
     task = task_of(scenario)
     for seed in range(3):
         w, trajectory = anywhere(problem, task, seed)
         rows = problem.nlp(w, task.parameters)[1].full().ravel()
         assert len(rows) == sum(sizes)
-        defects, offsets, cones, closing, cycle = np.split(rows, np.cumsum(sizes)[:-1])
+        defects, offsets, cones, turned, closing, cycle = np.split(rows, np.cumsum(sizes)[:-1])
         defects = defects.reshape(steps, layout.nx)
         found = violations(scenario.as_data(), trajectory, task, "/".join(["1111"] * legs))
         expected = {
@@ -143,6 +144,11 @@ def test_agrees_with_the_rows_of_the_program(
             "periodicity": np.abs(closing).max(),
             "cycle": abs(cycle[0]),
         }
+        if speeds:
+            upwards = np.abs(trajectory.foot_velocities[..., -1]).max()
+            expected["foot speed"] = max(
+                0.0, np.abs(turned).max() - robot.max_foot_speed, upwards - robot.max_foot_speed
+            )
         assert {kind: found[kind] for kind in expected} == pytest.approx(expected, rel=1e-9, abs=1e-12)
         assert min(expected.values()) >= 0
         assert found["clock"] < 1e-12 and found["force course"] == 0.0

@@ -113,6 +113,20 @@ def test_more_symmetry_merges_more(pattern: Pattern) -> None:
         assert gait_of(pattern, symmetry) == min(gait_of(images[i]) for i in chosen)
 
 
+@given(quadruped_patterns, st.integers(1, 5))
+def test_where_the_cut_counts_rotations_are_one_gait_of_several_patterns(pattern: Pattern, cut: int) -> None:
+    fixed = Symmetry(MIRROR, rotation=False)
+    assert gait_of(pattern.rotated(cut), fixed) == gait_of(pattern, LEFT_RIGHT)
+    assert representative(pattern, fixed) == min(pattern, pattern.mirrored(MIRROR))
+
+
+def test_counts_where_the_cut_counts() -> None:
+    """12^2 patterns of a front and a hind leg with one stance each, instead of 36 up to rotation."""
+    found = all_patterns(2, 4, 1, Symmetry(rotation=False))
+    assert len(found) == 12**2
+    assert {representative(pattern) for pattern in found} == set(all_patterns(2, 4, 1))
+
+
 @pytest.mark.parametrize(("one", "other"), [("0111/1101", "0111/1101"), ("0011/0110", "0110/1100")])
 def test_time_reversal_in_the_plane(one: str, other: str) -> None:
     """Front and hind swap: of a gallop with the flight before the front's stance comes one with it after."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -78,41 +79,73 @@ def test_a_mirrored_task_has_the_mirrored_optimum(turning: Scenario) -> None:
     assert best(turning, mirrored, SIDEWARDS, transcription=EXACT).cost != pytest.approx(one, rel=1e-4)
 
 
+def moved_to_start(motion: Trajectory, place: Array, turn: float) -> Trajectory:
+    """The motion seen from a frame at `place` [3] m that has turned by `turn` rad."""
+    c, s = np.cos(turn), np.sin(turn)
+    back = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    base = motion.base
+    seen = [(base[:, :3] - place) @ back.T, base[:, 3:6] - [turn, 0.0, 0.0], base[:, 6:9] @ back.T, base[:, 9:]]
+    return replace(
+        motion,
+        base=np.hstack(seen),
+        feet=(motion.feet - place) @ back.T,
+        forces=motion.forces @ back.T,
+        end_forces=motion.end_forces @ back.T,
+        foot_velocities=motion.foot_velocities @ back.T,
+    )
+
+
+def cut_later(motion: Trajectory, task: Task, steps: int) -> Trajectory:
+    """The same walk, its cycle beginning some steps later: what was left out follows at the end, one cycle on."""
+    turn = task["yaw_rate"] * task.cycle_duration
+    place = np.append(twist.displacements(task, np.array(task.cycle_duration)), 0.0)
+    c, s = np.cos(turn), np.sin(turn)
+    ahead = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) @ -place
+    following = moved_to_start(motion, ahead, -turn)  # seen from a cycle before, so it lies a cycle ahead
+    knots = {name: np.concatenate([getattr(motion, name)[steps:], getattr(following, name)[1 : steps + 1]])
+             for name in ("base", "feet")}  # fmt: skip
+    controls = {name: np.concatenate([getattr(motion, name)[steps:], getattr(following, name)[:steps]])
+                for name in ("forces", "end_forces", "foot_velocities")}  # fmt: skip
+    phases = steps * len(motion.durations) // len(motion.forces)
+    times = np.concatenate([motion.times[steps:], motion.times[1 : steps + 1] + motion.times[-1]]) - motion.times[steps]
+    later = Trajectory(times=times, **knots, **controls, durations=np.roll(motion.durations, -phases))
+    begins = motion.times[steps]
+    start = np.append(twist.displacements(task, np.array(begins)), 0.0)
+    return moved_to_start(later, start, task["yaw_rate"] * begins)
+
+
+@pytest.mark.parametrize("transcription", [EXACT, EULER], ids=["exact", "euler"])
+def test_a_walk_does_not_depend_on_where_its_cycle_is_cut(turning: Scenario, transcription: Transcription) -> None:
+    """Nor while it turns: limits and costs are seen from the frame that follows the twist. So one pattern of a gait
+    stands for all its rotations."""
+    scenario, task = turning.model_copy(update={"transcription": transcription}), SIDEWARDS.replaced(acceleration=0.0)
+    motion, data = best(scenario, WALK, task).trajectory, scenario.as_data()
+    cost = check.cost(data, motion, task)
+    for phases in (1, 3):
+        later = cut_later(motion, task, 4 * phases)
+        assert check.worst(data, later, task, WALK.rotated(phases).text) <= check.FEASIBLE
+        assert check.cost(data, later, task) == pytest.approx(cost, rel=1e-6)
+
+
 def reversed_motion(motion: Trajectory, task: Task, legs: tuple[int, ...]) -> Trajectory:
     """The image in a plane across the path, with time running backwards, that begins where the command begins.
 
     Reflecting x turns round x of a vector, and y and z of a rotation; time turns round what is a velocity.
     """
     flip, spin = np.array([-1.0, 1.0, 1.0]), np.array([-1.0, -1.0, 1.0])  # yaw and pitch turn round, roll does not
-    turn = task["yaw_rate"] * task.cycle_duration
-    c, s = np.cos(turn), np.sin(turn)
-    to_start = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    last = np.append(twist.displacements(task, np.array(task.cycle_duration)), 0.0)
-
-    def placed(points: Array) -> Array:
-        return ((points - last) * flip @ to_start.T)[::-1]
-
-    def along(vectors: Array) -> Array:
-        return (vectors * flip @ to_start.T)[::-1]
-
     base = motion.base
-    images = [
-        placed(base[:, :3]),
-        (base[:, 3:6] * spin + [turn, 0.0, 0.0])[::-1],
-        -along(base[:, 6:9]),
-        (base[:, 9:] * [-1.0, 1.0, 1.0])[::-1],
-    ]
-    feet, forces, ends = (part[:, legs] for part in (motion.feet, motion.forces, motion.end_forces))
-    durations = motion.durations[::-1]
-    return Trajectory(
+    reflected = [base[:, :3] * flip, base[:, 3:6] * spin, -base[:, 6:9] * flip, base[:, 9:] * flip]
+    image = Trajectory(
         times=motion.times[-1] - motion.times[::-1],
-        base=np.hstack(images),
-        feet=placed(feet),
-        forces=along(ends),
-        end_forces=along(forces),
-        foot_velocities=-along(motion.foot_velocities[:, legs]),
-        durations=durations,
+        base=np.hstack(reflected)[::-1],
+        feet=(motion.feet[:, legs] * flip)[::-1],
+        forces=(motion.end_forces[:, legs] * flip)[::-1],
+        end_forces=(motion.forces[:, legs] * flip)[::-1],
+        foot_velocities=-(motion.foot_velocities[:, legs] * flip)[::-1],
+        durations=motion.durations[::-1],
     )
+    last = np.append(twist.displacements(task, np.array(task.cycle_duration)), 0.0)
+    return moved_to_start(image, last * flip, -task["yaw_rate"] * task.cycle_duration)
 
 
 def test_a_motion_run_backwards_is_one_of_the_reversed_task(turning: Scenario) -> None:
@@ -152,6 +185,18 @@ def test_time_reversal_in_the_plane(planar: Scenario, speed: float, pattern: str
     assert costs["euler"][0] != pytest.approx(costs["euler"][1], rel=1e-2)
 
 
+def test_while_it_speeds_up_a_walk_depends_on_where_its_cycle_is_cut(planar: Scenario) -> None:
+    """A cycle is faster at its end than at its beginning, so its rotations are other motions."""
+    scenario = with_axes(planar, slope=0.0, acceleration=RANGE).model_copy(update={"transcription": EXACT})
+    task = Task.of({"speed": 0.9, "cycle_duration": 0.6, "acceleration": 0.5})
+    gallop = Pattern.from_text("0110/1100")
+    costs = [best(scenario, gallop.rotated(cut), task).cost for cut in range(4)]
+    assert max(costs) > 1.1 * min(costs)
+    steady = task.replaced(acceleration=0.0)
+    costs = [best(scenario, gallop.rotated(cut), steady).cost for cut in range(4)]
+    assert max(costs) == pytest.approx(min(costs), rel=1e-6)
+
+
 def test_patterns_are_merged_only_where_the_task_is_its_own_image(turning: Scenario, planar: Scenario) -> None:
     exact = turning.model_copy(update={"transcription": EXACT})
     straight = Task.of({"speed": 0.5, "cycle_duration": 0.6})
@@ -159,11 +204,12 @@ def test_patterns_are_merged_only_where_the_task_is_its_own_image(turning: Scena
         straight: ((1, 0, 3, 2), (2, 3, 0, 1)),
         straight.replaced(yaw_rate=0.4): (None, (2, 3, 0, 1)),
         straight.replaced(lateral_speed=0.1): (None, None),
-        straight.replaced(acceleration=0.1): ((1, 0, 3, 2), None),
+        straight.replaced(acceleration=0.1): ((1, 0, 3, 2), None),  # and where the cycle is cut counts
     }
     for task, (mirror, reversal) in expected.items():
         found = exact.symmetry(task)
         assert (found.mirror, found.reversal) == (mirror, reversal), task.text(("yaw_rate", "lateral_speed"))
+        assert found.rotation == (task["acceleration"] == 0)
     assert turning.symmetry(straight).reversal is None, "Euler's steps are not symmetric in time"
     up = Task.of({"speed": 0.5, "cycle_duration": 0.6, "slope": 20.0})
     level = planar.model_copy(update={"transcription": EXACT})
