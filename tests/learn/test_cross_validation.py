@@ -40,7 +40,7 @@ def test_what_cannot_be_split_is_refused(y: list[int], classes: tuple[str, ...])
 
 
 def svm(learning: Learning, classes: int) -> Method:
-    return next(method for method in methods(learning, classes, 20) if method.name == "svm")
+    return next(method for method in methods(learning, 2, classes, 20) if method.name == "svm")
 
 
 def test_probabilities_come_from_fits_that_had_not_seen_the_task(learning: Learning) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from gaitflow.learn.evaluate import Quality, choose, judge
+from gaitflow.learn.evaluate import Quality, choose, judge, judge_order
 
 CLASSES = ("gallop", "trot", "walk")
 COSTS = {0.1: {"walk": 1.0, "gallop": 1.0005, "trot": 4.0}, 0.2: {"walk": 2.0, "trot": 3.0}, 0.3: {"trot": 5.0}}
@@ -19,7 +19,7 @@ PICKS = {0.1: "gallop", 0.2: "trot", 0.3: "walk"}  # a tie, 50 % dearer, infeasi
 def frames() -> tuple[pd.DataFrame, pd.DataFrame]:
     costs = pd.DataFrame(
         [
-            {"speed": v, "cycle_duration": 1.0, "split": "grid", "gait": gait, "cost": cost}
+            {"speed": v, "cycle_duration": 1.0, "split": "grid", "gait": gait, "excess": cost / min(row.values()) - 1}
             for v, row in COSTS.items()
             for gait, cost in row.items()
         ]
@@ -56,6 +56,13 @@ def test_quality_by_hand() -> None:
     rescued = judge(one_hot(PICKS, second="trot"), CLASSES, labels, costs)
     assert rescued.infeasible_rate == pytest.approx(1 / 3)
     assert rescued.infeasible_top2 == 0.0
+
+
+def test_an_order_is_judged_as_the_probabilities_that_make_it() -> None:
+    labels, costs = frames()
+    probabilities = one_hot(PICKS, second="trot")
+    order = np.argsort(-probabilities, axis=1)
+    assert judge_order(order, CLASSES, labels, costs) == judge(probabilities, CLASSES, labels, costs)
 
 
 def test_picks_that_are_the_labels_are_perfect() -> None:

@@ -14,18 +14,21 @@ from gaitflow.learn.export_onnx import to_onnx_bytes
 from gaitflow.learn.methods import methods
 
 RANDOM = np.random.default_rng(0)
-LOW, HIGH = (0.1, 0.4), (2.3, 1.6)
-TASKS = RANDOM.uniform(LOW, HIGH, (60, 2)).astype(np.float32)
-QUERIES = RANDOM.uniform(LOW, HIGH, (300, 2)).astype(np.float32)
+LOW, HIGH = (0.1, 0.4, -20.0), (2.3, 1.6, 20.0)
+ALL_TASKS = RANDOM.uniform(LOW, HIGH, (60, 3)).astype(np.float32)
+ALL_QUERIES = RANDOM.uniform(LOW, HIGH, (300, 3)).astype(np.float32)
+TASKS, QUERIES = ALL_TASKS[:, :2], ALL_QUERIES[:, :2]
 TEMPERATURE = 1.7
 NAMES = ("mlp", "svm", "forest", "knn")
 
 
-def fitted(name: str, classes: int, learning: Learning) -> GaitClassifier:
-    y = np.digitize(TASKS @ [1.0, -0.5], np.linspace(-0.2, 1.4, classes - 1)).astype(np.int64)
+def fitted(name: str, classes: int, learning: Learning, axes: int = 2) -> GaitClassifier:
+    tasks = ALL_TASKS[:, :axes]
+    score = tasks[:, 0] - 0.5 * (tasks[:, 1] if axes > 1 else 0.8)
+    y = np.digitize(score, np.linspace(-0.2, 1.4, classes - 1)).astype(np.int64)
     assert set(y) == set(range(classes))
-    method = next(method for method in methods(learning, classes, 30) if method.name == name)
-    pipeline = method.pipeline.fit(TASKS, y)
+    method = next(method for method in methods(learning, axes, classes, 30) if method.name == name)
+    pipeline = method.pipeline.fit(tasks, y)
     labels = tuple("abcdefgh"[:classes])
     return GaitClassifier(name, labels, pipeline, frequencies_of(y, classes), TEMPERATURE)
 
@@ -50,6 +53,15 @@ def test_an_exported_model_agrees_with_the_one_in_memory(name: str, classes: int
     assert away_from_ties.mean() >= (1.0 if name in ("mlp", "svm") else 0.99)
     np.testing.assert_allclose(found.sum(axis=1), 1.0, atol=1e-5)
     assert len(set(expected.argmax(axis=1))) == classes
+
+
+@pytest.mark.parametrize("axes", [1, 3])
+@pytest.mark.parametrize("name", NAMES)
+def test_a_model_has_an_input_for_each_axis(name: str, axes: int, learning: Learning) -> None:
+    classifier = fitted(name, 3, learning, axes)
+    found = run(to_onnx_bytes(classifier), ALL_QUERIES[:, :axes])
+    expected = classifier.probabilities(ALL_QUERIES[:, :axes])
+    assert (np.abs(found - expected).max(axis=1) <= 1e-5).mean() >= 0.98
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -16,14 +16,15 @@ CLASSES = (TASKS[:, 0] > 0).astype(np.int64) + (TASKS[:, 1] > 0.5)
 
 
 def fitted_scores(seed: int) -> np.ndarray:
-    return perceptron(3, (20, 10, 5), max_epochs=15, seed=seed).fit(TASKS, CLASSES).forward(TASKS).numpy()
+    return perceptron(2, 3, (20, 10, 5), max_epochs=15, seed=seed).fit(TASKS, CLASSES).forward(TASKS).numpy()
 
 
+@pytest.mark.parametrize("inputs", [1, 2, 3])
 @pytest.mark.parametrize("hidden", Learning().hidden_layers)
-def test_three_hidden_layers_of_230_neurons_in_all(hidden: tuple[int, ...]) -> None:
-    network = perceptron(4, hidden, max_epochs=1, seed=0).initialize().module_
+def test_three_hidden_layers_of_230_neurons_in_all(hidden: tuple[int, ...], inputs: int) -> None:
+    network = perceptron(inputs, 4, hidden, max_epochs=1, seed=0).initialize().module_
     linear = [layer for layer in network.layers if isinstance(layer, torch.nn.Linear)]
-    assert [layer.in_features for layer in linear] == [2, *hidden]
+    assert [layer.in_features for layer in linear] == [inputs, *hidden]
     assert linear[-1].out_features == 4
     assert len(linear) == 4
     assert sum(layer.out_features for layer in linear[:-1]) == 230
@@ -38,16 +39,16 @@ def test_a_fit_depends_on_its_seed_alone() -> None:
 
 def test_a_fit_leaves_torch_as_it_was() -> None:
     threads, state = torch.get_num_threads(), torch.get_rng_state()
-    perceptron(3, (20, 10, 5), max_epochs=15, seed=3).fit(TASKS, CLASSES)
+    perceptron(2, 3, (20, 10, 5), max_epochs=15, seed=3).fit(TASKS, CLASSES)
     assert torch.get_num_threads() == threads
     assert torch.equal(torch.get_rng_state(), state)
 
 
 def test_cloning_keeps_the_seed() -> None:
-    assert clone(perceptron(3, (20, 10, 5), max_epochs=15, seed=9)).seed == 9
+    assert clone(perceptron(2, 3, (20, 10, 5), max_epochs=15, seed=9)).seed == 9
 
 
 def test_it_learns_and_stops_before_its_epochs_are_over() -> None:
-    network = perceptron(3, (30, 20, 10), max_epochs=2000, seed=0).set_params(lr=1e-2).fit(TASKS, CLASSES)
+    network = perceptron(2, 3, (30, 20, 10), max_epochs=2000, seed=0).set_params(lr=1e-2).fit(TASKS, CLASSES)
     assert len(network.history) < 2000
     assert np.mean(network.predict(TASKS) == CLASSES) > 0.95
