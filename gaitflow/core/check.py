@@ -34,18 +34,26 @@ def worst(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task, patte
 
 
 def violations(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task, pattern: str) -> dict[str, float]:
-    """Worst scaled violation by kind; inf for arrays of other shapes than the scenario's, and for a NaN.
+    """Worst scaled violation by kind; inf for arrays of other shapes than the scenario's, NaN, and what overflows.
 
     `scenario` is `Scenario.as_data()`; `pattern` as solved, "0110/1100". Raises ValueError for a pattern of another
     shape than the scenario's.
     """
     robot, settings = scenario["robot"], scenario["transcription"]
-    n, linear = int(settings["knots_per_phase"]), settings.get("forces", "held") == "linear"
-    stance = _stance(pattern, len(robot["legs"]), int(settings["phases"]), n)
+    stance = _stance(pattern, len(robot["legs"]), int(settings["phases"]), int(settings["knots_per_phase"]))
     if _shapes(trajectory) != _expected_shapes(robot, settings):
         return {"shape": math.inf}
     if not all(np.isfinite(getattr(trajectory, field.name)).all() for field in fields(Trajectory)):
         return {"not a number": math.inf}
+    with np.errstate(all="ignore"):
+        found = _found(scenario, trajectory, task, stance)
+    return {kind: math.inf if math.isnan(value) else value for kind, value in found.items()}
+
+
+def _found(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task, stance: Mask) -> dict[str, float]:
+    """The violations of finite arrays of the right shapes; NaN where numbers were too large."""
+    robot, settings = scenario["robot"], scenario["transcription"]
+    n, linear = int(settings["knots_per_phase"]), settings.get("forces", "held") == "linear"
     body = RigidBody.of(robot, task)
     weight, cycle = body.weight, task.cycle_duration
     shares = step_shares(settings)
@@ -59,7 +67,8 @@ def violations(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task, 
     if settings["integrator"] != "euler":
         box = max(box, _box_in_the_middle(body, trajectory, h))
     reached = np.append(0.0, np.cumsum(h))
-    tangent = seen_from_frame(forces, np.stack([reached[:-1], reached[1:]]), task)[..., :-1]
+    at = np.stack([reached[:-1], reached[1:]]) if linear else np.stack([reached[:-1] + h / 2] * 2)
+    tangent = seen_from_frame(forces, at, task)[..., :-1]
     fastest = float(robot["max_foot_speed"])
     closing = _closing(body, trajectory, task)
     lift = float(-body.default_feet[:, -1].min() + body.box[-1])

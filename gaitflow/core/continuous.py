@@ -76,7 +76,7 @@ def step_gaps(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task) -
 def seen_from_frame(vectors: Array, times: Array, task: Task) -> Array:
     """World vectors [..., legs, d] in the directions of the frame that follows the twist at times [...] s."""
     if vectors.shape[-1] == 2 or task["yaw_rate"] == 0:
-        return vectors
+        return vectors.copy()
     ground = np.exp(-1j * task["yaw_rate"] * times)[..., None] * (vectors[..., 0] + 1j * vectors[..., 1])
     return np.stack([ground.real, ground.imag, vectors[..., 2]], axis=-1)
 
@@ -213,25 +213,21 @@ class Motion:
 def _integrand(objective: Mapping[str, Any], body: RigidBody, seen: Moments, task: Task) -> Array:
     """The weighted integrand [n, K]."""
     _, angles, velocity, _ = body.split(seen.base)
-    turned = task["yaw_rate"] * seen.times
-    forward = task["speed"] + task["acceleration"] * (seen.times - task.cycle_duration / 2)
-    tilt, rates = angles.copy(), seen.rates.copy()
-    lateral = np.zeros(seen.times.shape)
+    error = seen_from_frame(velocity[..., None, :], seen.times, task)[..., 0, :]
+    error[..., 0] -= task["speed"] + task["acceleration"] * (seen.times - task.cycle_duration / 2)
+    tilt, rates, lateral = angles.copy(), seen.rates.copy(), np.zeros(seen.times.shape)
     if body.dimension == 3:
-        # Ground vectors as complex numbers, seen from the frame that has turned.
-        back = np.exp(-1j * turned)
-        ground = back * (velocity[..., 0] + 1j * velocity[..., 1])
-        along = (ground.real - forward) ** 2 + (ground.imag - task["lateral_speed"]) ** 2
-        tilt[..., 0] -= turned
+        error[..., 1] -= task["lateral_speed"]
+        tilt[..., 0] -= task["yaw_rate"] * seen.times
         rates[..., 0] -= task["yaw_rate"]
-        feet = back[..., None] * (seen.feet[..., 0] + 1j * seen.feet[..., 1] - _origins(task, seen.times)[..., None])
-        lateral = ((feet.imag - body.default_feet[:, 1]) ** 2).sum(axis=-1)
-    else:
-        along = (velocity[..., 0] - forward) ** 2
+        origin = _origins(task, seen.times)
+        feet = seen.feet - np.stack([origin.real, origin.imag, np.zeros_like(seen.times)], axis=-1)[..., None, :]
+        left = seen_from_frame(feet, seen.times, task)[..., 1] - body.default_feet[:, 1]
+        lateral = (left**2).sum(axis=-1)
     terms = {
         "force": (seen.forces**2).sum(axis=(-1, -2)),
-        "tangential_velocity": along,
-        "normal_velocity": velocity[..., -1] ** 2,
+        "tangential_velocity": (error[..., :-1] ** 2).sum(axis=-1),
+        "normal_velocity": error[..., -1] ** 2,
         "tilt": (tilt**2).sum(axis=-1),
         "tilt_rate": (rates**2).sum(axis=-1),
         "lateral_foot": lateral,

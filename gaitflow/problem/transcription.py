@@ -168,7 +168,8 @@ def _terms(scenario: Scenario, layout: Layout, w: ca.SX, parameters: ca.SX) -> t
         offsets.append(kinematics.foot_offsets(robot, start.position, start.angles, start.feet))
         if rule != "euler":
             between.append(_middle_offsets(scenario, start, end, h))
-        first = [task.into_frame(w[layout.force(k, leg)], times[k]) for leg in range(layout.legs)]
+        at = times[k] if layout.linear_forces else (times[k] + times[k + 1]) / 2
+        first = [task.into_frame(w[layout.force(k, leg)], at) for leg in range(layout.legs)]
         cones.append(friction.friction_rows(task["friction"], first))
         if layout.linear_forces and (k + 1) % layout.knots_per_phase == 0:
             last = [task.into_frame(w[layout.end_force(k, leg)], times[k + 1]) for leg in range(layout.legs)]

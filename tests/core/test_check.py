@@ -427,6 +427,16 @@ def test_arrays_of_another_shape_are_infinitely_wrong(planar: Scenario, gallop: 
         assert worst(planar.as_data(), replace(gallop, **{name: other}), task_of(planar), GALLOP) == math.inf
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("name", [field.name for field in fields(Trajectory)])
+def test_numbers_that_overflow_are_no_motion(exact: Scenario, exact_gallop: Trajectory, name: str) -> None:
+    """Every comparison with a NaN is false, so none may be left over."""
+    for huge in (1e200, -1e308):
+        array = np.full_like(getattr(exact_gallop, name), huge)
+        found = violations(exact.as_data(), replace(exact_gallop, **{name: array}), task_of(exact), GALLOP)
+        assert max(found.values()) > 1e100 and not any(math.isnan(value) for value in found.values())
+
+
 def test_an_unknown_integrator_is_an_error(planar: Scenario, gallop: Trajectory) -> None:
     data = planar.as_data()
     data["transcription"]["integrator"] = "leapfrog"
