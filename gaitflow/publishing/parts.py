@@ -57,7 +57,7 @@ class Parts:
     outputs, starts hold one start for each of them, in any order. atlas has sheets whose gaits are numbers of classes.
     dataset names what was learnt from (`name`, `version`), code what made it; metrics, plain JSON, say how well.
     solver_options are IPOPT's, over the defaults of a warm-started refinement. Raises PublishError when a class and a
-    start do not pair up.
+    start do not pair up, or a sheet is of no class.
     """
 
     problem: GaitProblem
@@ -76,6 +76,8 @@ class Parts:
         names = sorted(start.gait for start in self.starts)
         if names != sorted(set(self.classes)) or len(names) != len(self.classes):
             raise PublishError(f"the classifier's gaits are {list(self.classes)}, but there are starts for {names}")
+        if strangers := {sheet.gait for sheet in self.atlas.sheets} - set(range(len(self.classes))):
+            raise PublishError(f"{len(self.classes)} gaits, but the atlas has sheets of {sorted(strangers)}")
 
     @property
     def ordered_starts(self) -> list[RegionStart]:

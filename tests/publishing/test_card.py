@@ -4,7 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from gaitflow.publishing.card import card
-from gaitflow.runtime.manifest import read_manifest
+from gaitflow.runtime.manifest_file import read_manifest
 
 
 def test_card_tells_what_where_how_good_and_how_to_load(pristine: Path) -> None:
@@ -12,15 +12,18 @@ def test_card_tells_what_where_how_good_and_how_to_load(pristine: Path) -> None:
     for part in (
         "# quickstart 1.0.0",
         "planar, 2D rigid body of 14 kg, legs F, H",
-        "slope 0 degrees, friction coefficient 0.8",
+        "For a task, speed and cycle duration, it answers",
+        "| friction | 0.8  |",
+        "momentum, linear forces",
+        "| dataset | quickstart 1.0.0 |",
         "weights: force 1",
-        "0.1 to 2.1 (6 values) m/s",
-        "Of the 24 tasks of the grid\n23 have a feasible gait",
+        "| speed | 0.1 to 2.1 (6 values) m/s |",
+        "Of the 24 tasks of the grid 23 have a feasible gait",
         "| gallop | `F 0110 / H 1100` |",
         "| accuracy | 0.97 |",
         'GaitMap.load("models/quickstart/1.0.0")',
         "BSD-3-Clause",
-        "a source you trust",
+        "They are data",
     ):
         assert part in text, part
 
@@ -40,6 +43,27 @@ def test_competitors_make_a_row_each_and_unknown_numbers_a_dash(pristine: Path) 
     assert "| mlp, cross validation | 0.9 | 0.8 | 1 | 0.001234 | - | - |" in text
     assert "| mlp, held out | - | - | - | - | - | - |" in text
     assert "knn" not in text
+
+
+def test_what_the_map_picks_and_how_good_predictions_are_is_told(pristine: Path) -> None:
+    quality = dict.fromkeys(
+        ("accuracy", "macro_f1", "top1_beyond_ties", "regret_mean", "regret_p95", "infeasible_rate"), 0.5
+    )
+    predictions = {"tasks": 100, "converged": 97, "iterations_mean": 6.54321, "iterations_p95": 9.0}
+    metrics = {
+        "competitors": [{"method": "mlp", "cross_validation": quality, "held_out": quality}],
+        "published": {"atlas_tasks": 500, "held_out": quality, "map_held_out": quality | {"accuracy": 0.75}},
+        "atlas": {
+            "nodes": {"gallop 0110/1100": 20, "walking 0111/1101": 22},
+            "predictions": predictions | {"cost_error_median": 0.0031, "cost_error_p95": None},
+        },
+    }
+    text = card(replace(read_manifest(pristine), metrics=metrics))
+    assert "| perceptron as published, fitted to 500 tasks of the atlas, too: held out | 0.5 |" in text
+    assert "| **what the map picks: held out** | 0.75 |" in text
+    assert "42 solved tasks of 2 patterns" in text
+    assert "100 random tasks Newton's method reached the optimum 97 times" in text
+    assert "6.543 iterations on average; predicted costs were off by 0.0031 (median) and - (95th" in text
 
 
 def test_every_table_row_has_the_columns_of_its_head(pristine: Path) -> None:

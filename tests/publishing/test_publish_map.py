@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import errno
-import importlib
 import json
 import threading
 from dataclasses import replace
@@ -9,13 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from tiny_map import linear_classifier, scenario_of
 
+from gaitflow.config.scenario import Range
 from gaitflow.files import WriteError
-from gaitflow.publishing import Parts, PublishError, VersionExists, newest, publish, published, verify
-from gaitflow.runtime.manifest import read_manifest
-
-# The package's function of the same name hides the module from a plain import.
-publishing = importlib.import_module("gaitflow.publishing.publish")
+from gaitflow.problem import transcribe
+from gaitflow.publishing import Parts, PublishError, VersionExists, newest, publish, published, verify, versioned_folder
+from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.manifest_file import read_manifest
+from gaitflow.runtime.problem_check import parse_problem_check
 
 
 def test_first_version_is_sound_and_named_by_the_scenario(tmp_path: Path, parts: Parts) -> None:
@@ -30,8 +31,8 @@ def test_manifest_lists_what_was_given(pristine: Path, parts: Parts) -> None:
     assert manifest.name == "quickstart"
     assert [gait.name for gait in manifest.gaits] == ["walking", "gallop"]
     assert manifest.gaits[1].pattern == "0110/1100"
-    assert manifest.layout.variables == parts.problem.layout.nw == 17 * 10 + 16 * 8 + 4
-    assert manifest.layout.rows == parts.problem.ng
+    assert manifest.layout == parts.problem.layout
+    assert manifest.dataset == {"name": "quickstart", "version": "1.0.0"}
     assert np.array_equal(manifest.domain.feasible, parts.feasible)
     assert manifest.metrics["accuracy"] == 0.97
     assert manifest.solver_options == {"max_iter": 200, "mumps_pivot_order": 0}
@@ -45,12 +46,12 @@ def test_same_content_is_not_published_twice(tmp_path: Path, parts: Parts) -> No
 
 
 @pytest.mark.parametrize("change", ["classifier", "atlas", "metrics", "dataset", "feasible"])
-def test_changed_content_takes_the_next_version(tmp_path: Path, parts: Parts, preferring, change: str) -> None:
+def test_changed_content_takes_the_next_version(tmp_path: Path, parts: Parts, galloping: Parts, change: str) -> None:
     changed = {
-        "classifier": preferring("gallop"),
+        "classifier": galloping,
         "atlas": replace(parts, atlas=parts.atlas.of([0])),
         "metrics": replace(parts, metrics={"accuracy": 0.5}),
-        "dataset": replace(parts, dataset={"digest": "1" * 64}),
+        "dataset": replace(parts, dataset={"name": "quickstart", "version": "1.1.0"}),
         "feasible": replace(parts, feasible=np.ones_like(parts.feasible)),
     }[change]
     first = publish(tmp_path, parts)
@@ -64,22 +65,22 @@ def test_damaged_newest_version_is_not_taken_for_the_same(tmp_path: Path, parts:
     assert publish(tmp_path, parts) == first.with_name("1.1.0")
 
 
-def test_publishing_over_a_version_is_refused_and_changes_nothing(artifact: Path, preferring) -> None:
+def test_publishing_over_a_version_is_refused_and_changes_nothing(artifact: Path, galloping: Parts) -> None:
     before = {file.name: file.read_bytes() for file in artifact.iterdir()}
     with pytest.raises(VersionExists, match=r"1\.0\.0 is published already.*leave the version out"):
-        publish(artifact.parents[1], preferring("gallop"), "1.0.0")
+        publish(artifact.parents[1], galloping, "1.0.0")
     assert {file.name: file.read_bytes() for file in artifact.iterdir()} == before
     assert [entry.name for entry in artifact.parent.iterdir()] == ["1.0.0"]
 
 
-def test_losing_a_race_for_a_version_keeps_the_winner(artifact: Path, preferring, monkeypatch) -> None:
+def test_losing_a_race_for_a_version_keeps_the_winner(artifact: Path, galloping: Parts, monkeypatch) -> None:
     # The look before publishing comes too early to see the other writer; the rename must see it.
     checks = iter([lambda target: None])
-    real = publishing._refuse_taken
-    monkeypatch.setattr(publishing, "_refuse_taken", lambda target: next(checks, real)(target))
+    real = versioned_folder._refuse_taken
+    monkeypatch.setattr(versioned_folder, "_refuse_taken", lambda target: next(checks, real)(target))
     before = (artifact / "manifest.json").read_bytes()
     with pytest.raises(VersionExists):
-        publish(artifact.parents[1], preferring("gallop"), "1.0.0")
+        publish(artifact.parents[1], galloping, "1.0.0")
     assert (artifact / "manifest.json").read_bytes() == before
     assert [entry.name for entry in artifact.parent.iterdir()] == ["1.0.0"]
 
@@ -131,7 +132,7 @@ def test_nodes_outside_the_domain_are_not_published(tmp_path: Path, parts: Parts
     smaller = parts.feasible.copy()
     smaller[0, 0] = False
     with pytest.raises(
-        PublishError, match=r"atlas\.safetensors: walking has a node at \(0\.1 m/s, .* outside the map's"
+        PublishError, match=r"atlas\.safetensors: walking has a node at speed 0\.1 m/s, .* outside the map's"
     ):
         publish(tmp_path, replace(parts, feasible=smaller))
 
@@ -153,14 +154,14 @@ def test_solver_options_that_open_files_are_refused(tmp_path: Path, parts: Parts
 
 
 def test_a_disk_that_fills_leaves_nothing_behind(tmp_path: Path, parts: Parts, monkeypatch) -> None:
-    real = publishing.atomic_write
+    real = versioned_folder.atomic_write
 
     def full(path: Path, data: bytes) -> None:
         if path.name == "warmstarts.safetensors":
             raise WriteError(errno.ENOSPC, f"{path}: cannot be written (No space left on device)")
         real(path, data)
 
-    monkeypatch.setattr(publishing, "atomic_write", full)
+    monkeypatch.setattr(versioned_folder, "atomic_write", full)
     with pytest.raises(WriteError, match="No space left"):
         publish(tmp_path, parts)
     assert list((tmp_path / "quickstart").iterdir()) == []
@@ -169,5 +170,35 @@ def test_a_disk_that_fills_leaves_nothing_behind(tmp_path: Path, parts: Parts, m
 def test_manifest_is_readable_json_with_the_scenario_whole(pristine: Path, parts: Parts) -> None:
     data = json.loads((pristine / "manifest.json").read_text(encoding="utf-8"))
     assert data["scenario"] == parts.problem.scenario.as_data()
-    assert data["format"] == 2
-    assert data["layout"]["duration_slice"] == [298, 302]
+    assert data["format"] == 3
+    assert data["domain"]["axes"]["cycle_duration"] == list(parts.domain.axes["cycle_duration"])
+
+
+def test_what_is_stored_of_the_problem_holds_every_term(pristine: Path, parts: Parts) -> None:
+    """A problem that differs anywhere shows it: no row of the three points is 0 by chance."""
+    problem = parts.problem
+    content = (pristine / "problem_check.safetensors").read_bytes()
+    stored = parse_problem_check(content, problem.layout, problem.ng, "check")
+    assert stored.differs(problem.nlp) is None
+    assert len({tuple(task) for task in stored.tasks.tolist()}) == 3
+    assert (np.abs(stored.rows).max(axis=0) > 1e-9).mean() > 0.99
+    scenario = problem.scenario
+    heavier = scenario.robot.model_copy(update={"mass": scenario.robot.mass * (1 + 1e-6)})
+    other = transcribe(scenario.model_copy(update={"robot": heavier}))
+    assert stored.differs(other.nlp) is not None
+
+
+def test_a_map_over_three_axes_is_published(tmp_path: Path, parts: Parts) -> None:
+    scenario = scenario_of(slope=Range(start=-5.0, stop=5.0, count=2))
+    problem = transcribe(scenario)
+    shape = tuple(values.count for values in scenario.tasks.ranges.values())
+    three = replace(
+        parts,
+        problem=problem,
+        feasible=np.ones(shape, dtype=bool),
+        classifier=linear_classifier([-5.0, 5.0], [3.5, -3.5], axes=3),
+        atlas=Atlas.empty(tuple(scenario.tasks.ranges)),
+    )
+    path = publish(tmp_path, three)
+    assert tuple(read_manifest(path).domain.axes) == ("speed", "cycle_duration", "slope")
+    assert "| slope | -5 to 5 (2 values) deg |" in (path / "README.md").read_text(encoding="utf-8")

@@ -10,16 +10,20 @@ import onnx
 import pytest
 from safetensors.numpy import load, save
 
-from gaitflow.problem import transcribe
-from gaitflow.publishing import Parts, verify
-from gaitflow.publishing.verify import inspect
-from gaitflow.runtime import ArtifactError, GaitMap, refine
-from gaitflow.runtime.atlas import Atlas, atlas_bytes
+from gaitflow.config.scenario import digest_of
+from gaitflow.publishing import verify
+from gaitflow.publishing.verify_map import inspect
+from gaitflow.runtime import ArtifactError, GaitMap
+from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.atlas_file import atlas_bytes
 from gaitflow.runtime.files import entry_of
 from gaitflow.runtime.manifest import encode
+from gaitflow.solvers.interior_point import InteriorPoint, Outcome
+from gaitflow.solvers.point import Point
 
 FILES = [
-    "README.md", "atlas.safetensors", "classifier.onnx", "manifest.json", "problem.casadi", "warmstarts.safetensors",
+    "README.md", "atlas.safetensors", "classifier.onnx", "manifest.json", "problem_check.safetensors",
+    "warmstarts.safetensors",
 ]  # fmt: skip
 
 
@@ -118,7 +122,7 @@ def test_a_gait_under_a_wrong_name_is_found(artifact: Path) -> None:
 
 def test_a_domain_that_is_not_the_scenarios_is_found(artifact: Path) -> None:
     domain = json.loads((artifact / "manifest.json").read_text(encoding="utf-8"))["domain"]
-    domain["speed"][-1] = 9.0
+    domain["axes"]["speed"][-1] = 9.0
     forge(artifact, domain=domain)
     assert "domain is" in str(verify(artifact)[0])
 
@@ -134,7 +138,7 @@ def test_forged_tensors_are_found(artifact: Path, fault: str) -> None:
     elif fault == "outside":
         tensors["primal"][1, -1] = 3.0
     elif fault == "float32":
-        tensors["scale"] = tensors["scale"].astype(np.float32)
+        tensors["primal"] = tensors["primal"].astype(np.float32)
     elif fault == "shape":
         tensors["primal"] = tensors["primal"][:, :-1].copy()
     else:
@@ -162,19 +166,29 @@ def test_probabilities_that_do_not_add_up_are_found(artifact: Path) -> None:
     assert "sum 1" in str(verify(artifact)[0])
 
 
-def test_a_problem_of_another_scenario_is_found(artifact: Path, parts: Parts) -> None:
-    scenario = parts.problem.scenario
-    longer = scenario.transcription.model_copy(update={"knots_per_phase": 5})
-    other = transcribe(scenario.model_copy(update={"transcription": longer}))
-    (artifact / "problem.casadi").write_text(other.nlp.serialize(), encoding="ascii")
+@pytest.mark.parametrize("name", ["w", "costs", "rows", "tasks"])
+def test_values_of_another_problem_are_found(artifact: Path, name: str) -> None:
+    path = artifact / "problem_check.safetensors"
+    tensors = load(path.read_bytes())
+    tensors[name][1, ...] += 1e-3
+    path.write_bytes(save(tensors))
     forge(artifact)
-    assert "expected w [302]" in str(verify(artifact)[0])
+    (finding,) = verify(artifact)
+    assert finding.file == "problem_check.safetensors"
+    assert "makes another problem" in finding.fault
 
 
-def test_a_problem_that_is_no_function_is_found(artifact: Path) -> None:
-    (artifact / "problem.casadi").write_text("not a function", encoding="ascii")
+def test_a_scenario_of_another_problem_is_found(artifact: Path) -> None:
+    data = json.loads((artifact / "manifest.json").read_text(encoding="utf-8"))
+    data["scenario"]["robot"]["mass"] = 15.0
+    forge(artifact, scenario=data["scenario"], scenario_digest=digest_of(data["scenario"]))
+    assert "problem_check.safetensors" in {finding.file for finding in verify(artifact)}
+
+
+def test_a_problem_check_that_is_none_is_found(artifact: Path) -> None:
+    (artifact / "problem_check.safetensors").write_bytes(b"not tensors")
     forge(artifact)
-    assert [finding.file for finding in verify(artifact)] == ["problem.casadi"]
+    assert [finding.file for finding in verify(artifact)] == ["problem_check.safetensors"]
 
 
 @pytest.mark.parametrize(
@@ -182,10 +196,11 @@ def test_a_problem_that_is_no_function_is_found(artifact: Path) -> None:
     [
         ("0.costs", np.nan, "0.costs holds a value that is not finite"),
         ("0.costs", -1.0, "holds a cost that is not positive"),
-        ("1.places", 1000, "or one off the 21 by 13 tasks"),
+        ("1.tasks", 1000.0, "has a node that is no physical task"),
+        ("1.tasks", 9.0, "gallop has a node at speed 9 m/s, cycle_duration 9 s, outside the map's domain"),
         ("1.lower", 1e9, "a bound below that lies above"),
         ("1.pattern", 1, "the pattern 1111/1111 of a sheet is not the gait gallop"),
-        ("speeds", 0.1, "speeds must rise"),
+        ("steps", 0.0, "steps must be positive"),
     ],
 )
 def test_a_forged_atlas_is_found(artifact: Path, name: str, value: float, fault: str) -> None:
@@ -199,18 +214,24 @@ def test_a_forged_atlas_is_found(artifact: Path, name: str, value: float, fault:
     assert fault in finding.fault
 
 
-def test_a_map_of_before_there_were_atlases_is_sound(artifact: Path) -> None:
-    """Format 1, as this program's predecessor published it."""
-    (artifact / "atlas.safetensors").unlink()
-    forge(artifact, format=1, files=dict.fromkeys(name for name in FILES if not name.startswith(("atlas", "manifest"))))
-    assert verify(artifact) == []
+@pytest.mark.parametrize("version", ["1.0.0", "1.1.0"])
+def test_published_maps_of_older_formats_are_verified(checkout: Path, tmp_path: Path, version: str) -> None:
+    """Their files are checked; what they plan is not tried, as their problem is code."""
+    published = checkout / "models" / "half-cheetah-flat-effort" / version
+    copy = Path(shutil.copytree(published, tmp_path / version))
+    assert verify(copy) == []
+    (copy / "classifier.onnx").write_bytes(b"")
+    assert [finding.file for finding in verify(copy)] == ["classifier.onnx"]
+
+
+def lost(method: InteriorPoint, task: np.ndarray, start: Point, unit: float, *_: object, **__: object) -> Outcome:
+    return Outcome("lost", 1, method.space.fixed.copy(), start, unit, 1.0)
 
 
 def test_a_start_that_does_not_plan_is_found(artifact: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     # All files are consistent, but the motions are noise, the fast method is lost and the solver gets one iteration.
-    monkeypatch.setattr(refine, "QUICK", 1)
-    monkeypatch.setattr(refine, "STEADY", 1)
-    (artifact / "atlas.safetensors").write_bytes(atlas_bytes(Atlas.empty()))
+    monkeypatch.setattr(InteriorPoint, "follow", lost)
+    (artifact / "atlas.safetensors").write_bytes(atlas_bytes(Atlas.empty(("speed", "cycle_duration"))))
     path = artifact / "warmstarts.safetensors"
     tensors = load(path.read_bytes())
     low, high = np.maximum(tensors["lower_bounds"], -1), np.minimum(tensors["upper_bounds"], 1)
@@ -220,7 +241,7 @@ def test_a_start_that_does_not_plan_is_found(artifact: Path, monkeypatch: pytest
     assert inspect(artifact) == []
     findings = verify(artifact, tasks=2)
     assert len(findings) == 2
-    assert "no feasible plan for task" in str(findings[0])
+    assert "no feasible plan for speed" in str(findings[0])
 
 
 def test_a_verified_copy_still_answers(artifact: Path, tmp_path: Path) -> None:
