@@ -27,7 +27,7 @@ function rotation([yaw, pitch, roll]) { // base to world, Rz(yaw) Ry(pitch) Rx(r
   ];
 }
 
-function turned([x, y, z], angle) { // about the vertical
+function rotated([x, y, z], angle) { // about the vertical
   const c = Math.cos(angle), s = Math.sin(angle);
   return [c * x - s * y, s * x + c * y, z];
 }
@@ -73,7 +73,7 @@ function poseAt(t) {
   const velocity = motion.curved ? between(motion.velocity) : mean(motion.position);
   return {
     angles, position, toWorld, heading,
-    velocity: turned(velocity, -heading)[0],
+    velocity: rotated(velocity, -heading)[0],
     middle: [position[0], between(motion.path)[1], 0.55 * motion.height],
     hips: motion.hips.map(toWorld),
     feet: motion.feet[step].map((foot, leg) => add(scaled(foot, 1 - part), scaled(motion.feet[step + 1][leg], part))),
@@ -98,7 +98,7 @@ function drawView(pose) {
   const reach = Math.max(...motion.body.map((corner) => Math.hypot(corner[0], corner[1]))) + 0.5 * motion.height;
   const scale = Math.min(width / (2.6 * reach), height / (2.1 * motion.height + 0.9 * reach * Math.sin(elevation)));
   const page = (point) => {
-    const [x, y, z] = toView(uphill(turned(subtract(point, pose.middle), -pose.heading)));
+    const [x, y, z] = toView(uphill(rotated(subtract(point, pose.middle), -pose.heading)));
     return [width / 2 + scale * x, height / 2 - scale * y, z];
   };
   const line = (from, to, colour, thickness, dash = []) => {
@@ -138,11 +138,11 @@ function drawView(pose) {
 function floorFrame() {
   const [dx, dy] = motion.path[knots - 1], turn = motion.headings[knots - 1];
   let origin = [0, 0, 0];
-  for (let i = 0; i < (turn ? cycles : 0); i++) origin = add(origin, turned([dx, dy, 0], i * turn));
+  for (let i = 0; i < (turn ? cycles : 0); i++) origin = add(origin, rotated([dx, dy, 0], i * turn));
   if (!turn) origin = [cycles * dx, cycles * dy, 0];
   return {
-    toFloor: (point) => add(origin, turned(point, cycles * turn)),
-    fromFloor: (point) => turned(subtract(point, origin), -cycles * turn),
+    toFloor: (point) => add(origin, rotated(point, cycles * turn)),
+    fromFloor: (point) => rotated(subtract(point, origin), -cycles * turn),
   };
 }
 
