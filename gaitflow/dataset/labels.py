@@ -60,9 +60,9 @@ def label_tasks(costs: pd.DataFrame, tasks: Iterable[Task], tie_tolerance: float
     one), `ties` the gaits within `tie_tolerance` of the cheapest, that one first. `cost_error` is how far the costs of
     these two, with `knots_per_phase`, are from those on a finer mesh, as a share, the larger of the two; NaN when
     either is unknown. `resolved` says whether it is sure which of them is cheaper, or that they tie: the margin exceeds
-    what may be left of either error on the finer mesh, or lies within the tolerance; where an error is unknown it is
-    not, but for an only gait. `label`, what is learnt, is one of `ties`: see `gaitflow.dataset.neighbours`. A task with
-    no known feasible gait has the status "infeasible", empty names and NaN for its numbers.
+    what may be left of either error on the finer mesh, or lies within the tolerance and the best was solved there. An
+    only gait is the cheapest for sure. `label`, what is learnt, is one of `ties`: see `gaitflow.dataset.neighbours`. A
+    task with no known feasible gait has the status "infeasible", empty names and NaN for its numbers.
     """
     task_names = task_columns(costs.columns)
     *axes, _ = task_names
@@ -124,11 +124,14 @@ def _label(group: pd.DataFrame | None, tolerance: float, knots: int) -> dict[str
 
 
 def _settled(first_two: pd.DataFrame, margin: float, tolerance: float, knots: int) -> bool:
-    if not (first_two["refined_knots"] > knots).all():
+    finer_mesh = first_two["refined_knots"] > knots
+    if margin <= tolerance:
+        return bool(finer_mesh.iloc[0])
+    if not finer_mesh.all():
         return False
     refined = first_two[["cost", "refined_cost", "refined_knots"]].itertuples(index=False)
     left = max(error_left(cost, knots, finer, int(mesh)) for cost, finer, mesh in refined)
-    return bool(margin > left or margin <= tolerance)
+    return bool(margin > left)
 
 
 def _comparable(rows: pd.DataFrame, task: list[str]) -> pd.Series:

@@ -94,6 +94,8 @@ MESHES = [
     ((2.0, 1.9), (2.05, 1.8), 20, "gallop", 0.1 / 1.8, 0.25 / 1.8, False),
     ((2.0, 1.9), (2.05, 1.8), 40, "gallop", 0.1 / 1.8, 0.25 / 1.8, True),  # a third of the error is left
     ((2.0, 1.9), (2.05, 1.9001), 20, "walking", 0.0001 / 1.9, 0.1499 / 1.9001, True),  # a tie
+    ((2.0, 1.9), (2.001, np.nan), 20, "walking", 0.0005, np.nan, True),  # a tie with a gait that was not asked any more
+    ((2.0, np.nan), (2.001, np.nan), 0, "walking", 0.0005, np.nan, False),
     ((2.0, 1.9), (2.2, np.nan), 20, "walking", 0.1, np.nan, False),  # misjudged like walking: 2.2 counts as 2.09
     ((2.0, np.nan), (2.2, np.nan), 0, "walking", 0.1, np.nan, False),
 ]
