@@ -13,7 +13,7 @@ import pandas as pd
 from benchmarks.infrastructure import faults, overhead, speedup, store
 from benchmarks.online import map, online, select
 from benchmarks.paper import discovery, minlp, phases, ranking, stances, table1, table2
-from benchmarks.search import certificate, scaling
+from benchmarks.search import certificate, mesh, referee, scaling
 from benchmarks.search.tasks import task_of
 from gaitflow.config.cluster import Profile
 from gaitflow.config.scenario import Scenario
@@ -34,8 +34,8 @@ def measure(
 ) -> dict[str, Any]:
     """Run one bench and return its document; `tasks` None takes the bench's own number.
 
-    `tasks` is for `scaling` the solves a size, for `store` the largest plan. With a `profile`, `speedup` runs on the
-    jobs of that cluster; no other bench takes one.
+    `tasks` is for `scaling` the solves a size, for `referee` the solved patterns, for `store` the largest plan. With a
+    `profile`, `speedup` runs on the jobs of that cluster; no other bench takes one.
 
     Raises ValueError or FileNotFoundError when what a bench reads (a run, a published map) is not there,
     and for a profile where there can be none.
@@ -53,6 +53,7 @@ def measure(
         ),
         "faults": partial(faults.faults, scenario, tasks or 12, 20, seed),
         "map": partial(_map, workspace, scenario),
+        "mesh": lambda: mesh.run(scenario, seed=seed, runs=runs, **own),
         "minlp": lambda: minlp.run(scenario, seed=seed, runs=runs, **own),
         "online": lambda: online.run(
             scenario, resolve(workspace.models / scenario.name), seed=seed, runs=runs, **own
@@ -60,6 +61,7 @@ def measure(
         "overhead": lambda: overhead.run(scenario, runs=runs, **own),
         "phases": partial(_phases, workspace, scenario),
         "ranking": lambda: ranking.run(scenario, load_solutions(workspace.run(scenario).solutions)),
+        "referee": lambda: referee.run(scenario, seed=seed, runs=runs, **own),
         "scaling": partial(_scaling, workspace, tasks or 10, seed),
         "select": lambda: select.run(resolve(workspace.models / scenario.name), seed=seed),
         "speedup": lambda: speedup.run(scenario, profile=profile, runs=runs, **own),

@@ -40,8 +40,7 @@ def run(scenario: Scenario, solutions: Solutions) -> Row:
     rows: list[Row] = []
     for _, task in costs.groupby(task_columns(costs.columns), sort=False):
         best = float(task["cost"].iloc[0])
-        for rank, found in enumerate(task.head(SHOWN).to_dict("records"), start=1):
-            gait = {str(key): value for key, value in found.items()}
+        for rank, gait in enumerate(task.head(SHOWN).to_dict("records"), start=1):
             row = motions[task_of(scenario, gait, gait["split"]), gait["pattern"]]
             rows.append(
                 {key: gait[key] for key in (*axes, "gait", "pattern", "cost")}

@@ -50,8 +50,7 @@ def run(scenario: Scenario, labels: pd.DataFrame, tasks: int = 6, seed: int = 0,
     `labels` are the scenario's. Raises ValueError when the grid has fewer tasks, or when no chosen one is labelled.
     """
     grid = labels[(labels["split"] == "grid") & (labels["status"] == "solved")]
-    labelled = ({str(key): value for key, value in row.items()} for row in grid.to_dict("records"))
-    known = {task_of(scenario, row): row for row in labelled}
+    known = {task_of(scenario, row): row for row in grid.to_dict("records")}
     # Of one draw the first few: more tasks keep those that were searched before.
     drawn = spread_tasks(scenario, min(max(tasks, DRAWN), len(grid)), seed)[:tasks]
     chosen = [task for task in drawn if task in known]

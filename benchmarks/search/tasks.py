@@ -17,12 +17,12 @@ def task_key(scenario: Scenario, task: Task) -> dict[str, float]:
     return {axis: task[axis] for axis in scenario.tasks.space.columns}
 
 
-def task_values(scenario: Scenario, row: Mapping[str, Any]) -> dict[str, float]:
+def task_values(scenario: Scenario, row: Mapping[Any, Any]) -> dict[str, float]:
     """The fields of a row that `task_key` gave it."""
     return {axis: float(row[axis]) for axis in scenario.tasks.space.columns}
 
 
-def task_of(scenario: Scenario, row: Mapping[str, Any], split: Split = "grid") -> Task:
+def task_of(scenario: Scenario, row: Mapping[Any, Any], split: Split = "grid") -> Task:
     """The task of a row that has `task_key`'s fields. Raises KeyError without one, ValueError for another scenario."""
     return scenario.tasks.space.task(task_values(scenario, row), split)
 

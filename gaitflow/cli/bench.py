@@ -42,6 +42,8 @@ def bench(
     table1     the paper's Table I: MINLP, random starts, warm starts
     table2     its Table II, with the MINLP's runs of `bench minlp` (after `gaitflow run`)
     minlp      Bonmin for an hour on one task, its incumbents and gap, beside our search
+    mesh       transcriptions and meshes: error of the best cost, wrong labels and CPU time
+    referee    random patterns solved or given up, again by IPOPT (--tasks: how many of the solved)
     scaling    CPU time of one pattern by legs, phases and knots; of two robots, whatever SCENARIO says
     map        what making a map took, every label checked again (after `gaitflow run`)
     select     loading a map and asking it
