@@ -30,11 +30,7 @@ UNITS = 90
 def scenario(checkout: Path) -> Scenario:
     """The half-cheetah at 90 speeds, one a unit."""
     data = load_scenario(checkout / "configs/scenarios/quickstart.yaml").as_data()
-    data["tasks"] = {
-        "speed": {"start": 0.1, "stop": 2.1, "count": UNITS},
-        "cycle_duration": {"start": 0.5, "stop": 0.5, "count": 1},
-        "held_out": 0,
-    }
+    data["tasks"] = {"axes": {"speed": {"start": 0.1, "stop": 2.1, "count": UNITS}, "cycle_duration": 0.5}}
     data["strategy"]["tasks_per_unit"] = 1
     return Scenario.from_data(data, "faults")
 
