@@ -62,7 +62,7 @@ def recheck(solver: FixedGaitSolver, pattern: Pattern, task: Task, done: Sequenc
     """Attempts in other basins: from the nominal start if it was not tried, and from one random start."""
     tried = {attempt.start for attempt in done}
     chosen = [_nominal(solver, task), _random(solver, pattern, task, 0)]
-    return [solver.solve(pattern, task, start) for start in chosen if start.name not in tried]
+    return [solver.solve(pattern, task, start, fallback=False) for start in chosen if start.name not in tried]
 
 
 def _starts(

@@ -100,12 +100,15 @@ class FixedGaitSolver:
     def _warm(self) -> ca.Function:
         return make_ipopt(self.problem.nlp, IPOPT_WARM | {"max_cpu_time": self._limit})
 
-    def solve(self, pattern: Pattern, task: Task, start: Start) -> Attempt:
-        """One solve from one start, by IPOPT only where there are no multipliers. An exception is a failed attempt."""
+    def solve(self, pattern: Pattern, task: Task, start: Start, fallback: bool = True) -> Attempt:
+        """One solve from one start. An exception is a failed attempt.
+
+        Where the interior point gives up on a start without multipliers IPOPT tries it, if there is a `fallback`.
+        """
         wall, cpu = time.perf_counter(), time.process_time()
         answer = self._interior_point(pattern, task, start)
         attempt = self._judged(pattern, task, start, answer, wall, cpu)
-        if start.multipliers is None and attempt.gave_up:
+        if fallback and start.multipliers is None and attempt.gave_up:
             spent, answer = answer.iterations, self._ipopt(pattern, task, start)
             attempt = self._judged(pattern, task, start, answer, wall, cpu, spent)
         return attempt
