@@ -20,7 +20,7 @@ from gaitflow.report.palette import gait_colours, kind_and_contacts
 from gaitflow.report.slices import Slices, slices_of
 from gaitflow.report.winners import by_size
 
-RESOLUTION = 300  # decisions drawn along each axis
+RESOLUTION = 210  # decisions drawn along each axis of a map of one panel; of several, as many in all
 LONG_NAME = 22  # letters
 MAX_NAMED = 12  # gaits with a colour of their own, those that win most tasks
 COLUMNS = 3  # of panels
@@ -54,7 +54,7 @@ def draw_gait_map(
     below = len(slices.panels) > 1 or max(len(str(handle.get_label())) for handle in handles) > LONG_NAME
     figure, panels = _panels(slices, math.ceil(len(handles) / 2) if below else 0)
     limits = [(labels[axis].min(), labels[axis].max()) if axis else BAND for axis in (slices.x, slices.y)]
-    resolution = RESOLUTION // min(len(panels), COLUMNS)
+    resolution = round(RESOLUTION / math.sqrt(len(panels)))
     for panel in panels:
         if select is not None:
             draw_regions(panel, limits, resolution, gaits, select, colours, short)

@@ -204,7 +204,7 @@ def _on_resolution(labels: pd.DataFrame, unresolved: Table) -> str:
     if not refined(labels):
         return "The costs were not compared with those on a finer mesh."
     if unresolved.rows:
-        return "The margin is smaller than the error that a finer mesh shows, or that is not known, and the gaits do not tie."
+        return "The margin is smaller than the error that a finer mesh shows, or none was asked; the gaits do not tie."
     return "Every margin is larger than the errors of the costs behind it, by a finer mesh, or the gaits tie."
 
 

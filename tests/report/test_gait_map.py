@@ -7,7 +7,7 @@ from matplotlib.collections import PathCollection, QuadMesh
 from matplotlib.colors import to_rgba
 
 from gaitflow.core.task_space import TaskSpace
-from gaitflow.report.gait_map import MAX_NAMED, TAIL, draw_gait_map
+from gaitflow.report.gait_map import MAX_NAMED, RESOLUTION, TAIL, draw_gait_map
 from gaitflow.report.palette import NAMED_COLOURS, lighter
 
 
@@ -69,8 +69,8 @@ def test_many_gaits_of_a_quadruped_are_numbered_and_the_smallest_regions_share_a
     labels["gait"] = [gait_at[round(v, 9)] for v in labels["speed"]]
 
     def select(values):
-        row = [gaits.index(gait_at[min(gait_at, key=lambda x: abs(x - v))]) for v in values["speed"][:300]]
-        return np.array(row * 300)
+        row = [gaits.index(gait_at[min(gait_at, key=lambda x: abs(x - v))]) for v in values["speed"][:RESOLUTION]]
+        return np.array(row * RESOLUTION)
 
     figure = draw_gait_map(labels, gaits, select, "a map", space)
     texts = legend_texts(figure)
