@@ -119,9 +119,9 @@ def test_restarts_follow_where_the_solver_gave_up(one_gait: Scenario, monkeypatc
     """From the nominal start at the first task; at a task whose neighbour failed too, one start must do."""
     starts = []
 
-    def solve(self: FixedGaitSolver, pattern: Pattern, task: Task, start: Start) -> Attempt:
+    def solve(self: FixedGaitSolver, pattern: Pattern, task: Task, start: Start, fallback: bool = True) -> Attempt:
         starts.append((task.speed, start.name))
-        return replace(honest(self, pattern, task, start), feasible=False, gave_up=True)
+        return replace(honest(self, pattern, task, start, fallback), feasible=False, gave_up=True)
 
     honest = FixedGaitSolver.solve
     monkeypatch.setattr(FixedGaitSolver, "solve", solve)
@@ -186,7 +186,7 @@ def test_one_broken_solve_costs_one_row(small: Scenario, monkeypatch: pytest.Mon
     """A solver that never succeeds for one pattern leaves every other row as it was."""
     honest = FixedGaitSolver.solve
 
-    def solve(self: FixedGaitSolver, pattern: Pattern, task: Task, start: Start) -> Attempt:
+    def solve(self: FixedGaitSolver, pattern: Pattern, task: Task, start: Start, fallback: bool = True) -> Attempt:
         attempt = honest(self, pattern, task, start)
         if pattern.text == "001/010":
             return replace(attempt, feasible=False, gave_up=True, solver_status="exception: planted")

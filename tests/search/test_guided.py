@@ -119,8 +119,8 @@ def test_every_solver_call_is_in_some_row(effort: Scenario, monkeypatch: pytest.
     calls = []
     honest = FixedGaitSolver.solve
 
-    def solve(self: FixedGaitSolver, *arguments: Any) -> Attempt:
-        calls.append(honest(self, *arguments))
+    def solve(self: FixedGaitSolver, *arguments: Any, **options: Any) -> Attempt:
+        calls.append(honest(self, *arguments, **options))
         return calls[-1]
 
     monkeypatch.setattr(FixedGaitSolver, "solve", solve)
