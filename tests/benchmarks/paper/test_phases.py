@@ -58,8 +58,8 @@ def test_the_control_divides_the_fall(pair: tuple[Scenario, Scenario]) -> None:
 def test_only_phases_and_stances_may_differ(pair: tuple[Scenario, Scenario]) -> None:
     four, eight = pair
     frame = labels([(0.3, TROT, 100.0)])
-    with pytest.raises(ValueError, match="terrain differs"):
-        phases.run(four, eight.model_copy(update={"terrain": eight.terrain.model_copy(update={"friction": 0.5})}),
-                   frame, frame)  # fmt: skip
+    slippery = eight.tasks.model_copy(update={"axes": eight.tasks.axes | {"friction": 0.5}})
+    with pytest.raises(ValueError, match="axes differs"):
+        phases.run(four, eight.model_copy(update={"tasks": slippery}), frame, frame)
     with pytest.raises(ValueError, match="4 of 10; it must have more phases and as many knots"):
         phases.run(four, four, frame, frame)

@@ -81,7 +81,7 @@ def quadruped(spatial: Scenario, parts: Parts, tmp_path_factory: pytest.TempPath
     feasible = np.ones([each.count for each in spatial.tasks.ranges.values()], dtype=bool)
     classifier = linear_classifier([-5.0, 5.0], [2.5, -2.5])
     changed = {"problem": problem, "starts": starts, "classes": [start.gait for start in starts], "feasible": feasible}
-    changed["atlas"] = Atlas.empty()
+    changed["atlas"] = Atlas.empty(("speed", "cycle_duration"))
     return publish(
         tmp_path_factory.mktemp("models"), replace(parts, classifier=classifier, metrics={}, **changed), "1.0.0"
     )
