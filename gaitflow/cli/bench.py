@@ -51,8 +51,6 @@ def bench(
     stances    what one stance per leg costs (needs the runs of SCENARIO and SCENARIO-free)
     phases     what more phases gain (SCENARIO is S-eight-phases; needs its run and that of S)
     ranking    the gaits of each task by cost and what they ask of the robot (after `gaitflow solve`)
-    mesh       error of the best cost, wrong labels and CPU time by integrator, forces and knots
-    referee    patterns solved and failed by the interior point, solved again by IPOPT
     certificate  exhaustive search of some tasks beside their labels (after `gaitflow label`)
     faults     kill -9 of workers and runs
     store      planning, resuming, checking and packing 10^3 to 10^5 units (or --tasks)
