@@ -149,6 +149,7 @@ class InteriorPoint:
     ) -> Outcome:
         centring, length = end == barrier, 1.0
         ending: Ending | None = None
+        self._kkt.last_lift = 0.0
         with np.errstate(all="ignore"):  # a lost run ends at a number that is not finite
             values, point = self._inside(task, start, barrier)
             self._evaluate(values, point.rows, task, unit)

@@ -20,8 +20,8 @@ from gaitflow.solvers.interior_point import InteriorPoint, Outcome
 GALLOP, TASK = Pattern.from_text("0110/1100"), at(0.9, 0.6)
 # (pattern, v, T): iterations from the nominal start, and at v + 0.1 from that solution, primal and dual; the cost.
 GOLDEN = [
-    ("0110/1100", 0.9, 0.6, 31, 6, 7103.3864),
-    ("0111/1101", 0.2, 0.8, 28, 3, 8383.2337),
+    ("0110/1100", 0.9, 0.6, 18, 6, 7103.3864),
+    ("0111/1101", 0.2, 0.8, 17, 3, 8383.2337),
     ("0001/0100", 1.9, 1.4, 20, 6, 45930.855),
 ]
 

@@ -15,12 +15,14 @@ GAITS = ("walking", "gallop")
 def evaluate(program: Program, solved: dict, gait: str, multipliers: float) -> None:
     """The program near the gait's start, with random multipliers of some size."""
     rng = np.random.default_rng(4)
+    space = solved[gait].space
     w = solved[gait].attempt.w + 0.02 * rng.normal(size=program.variables)
+    w = np.where(space.lower == space.upper, space.lower, w)
     program.evaluate(w, TASK, multipliers * rng.normal(size=program.row_count))
 
 
 def dense(program: Program, space: GaitSpace, variables: np.ndarray, unequal: np.ndarray) -> np.ndarray:
-    """The matrix of the module's picture, without its small numbers."""
+    """The matrix of the module's picture with its small numbers, of which rows that join variables need none."""
     hessian = np.zeros((program.variables, program.variables))
     hessian[program.hessian_places] = program.hessian / UNIT
     hessian += np.triu(hessian, 1).T
@@ -28,7 +30,8 @@ def dense(program: Program, space: GaitSpace, variables: np.ndarray, unequal: np
     jacobian[program.jacobian_places] = program.jacobian
     rows = np.concatenate([space.equal, space.unequal])
     jacobian = jacobian[np.ix_(rows, space.free)]
-    corner = np.diag(np.concatenate([np.zeros(len(space.equal)), -unequal]) - DUAL)
+    joins = [set(row[row != 0]) == {1.0, -1.0} and np.count_nonzero(row) == 2 for row in jacobian[: len(space.equal)]]
+    corner = np.diag(np.concatenate([np.where(joins, 0.0, -DUAL), -unequal - DUAL]))
     return np.block(
         [[hessian[np.ix_(space.free, space.free)] + np.diag(variables + PRIMAL), jacobian.T], [jacobian, corner]]
     )
@@ -93,8 +96,9 @@ def test_a_matrix_beyond_correction_is_said(program: Program, solved: dict) -> N
 
 def test_what_is_not_a_number_has_no_factorisation(program: Program, solved: dict) -> None:
     space = solved["walking"].space
+    kkt = Kkt(program, space)
     evaluate(program, solved, "walking", 0.0)
     program.hessian[:] = np.nan
     ones = np.ones(len(space.free))
     with pytest.raises(NotFactorised):
-        Kkt(program, space).factorise(UNIT, ones, ones[: len(space.unequal)], correct=True)
+        kkt.factorise(UNIT, ones, ones[: len(space.unequal)], correct=True)
