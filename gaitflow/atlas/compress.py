@@ -17,10 +17,10 @@ from gaitflow.atlas.grow import Growth
 from gaitflow.atlas.node import BARRIER
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, Sheet
-from gaitflow.solvers.point import GaitSpace
 
-LARGEST = {2: 2_600_000, 3: 6_000_000}  # bytes of an atlas, in the plane and in space
+LARGEST = {2: 2_700_000, 3: 6_500_000}  # bytes of an atlas, in the plane and in space
 MOST_MODES = 128  # of a pattern
+NAMES = 2000  # bytes of the names and shapes of a pattern's arrays
 # What an error of a prediction counts: Newton's method finds the multipliers of rows by itself in its first step, and a
 # bound's multiplier, whose logarithm is predicted, may be off by half, but a variable should not cross its bound.
 OF_VARIABLES, OF_ROWS, OF_BOUNDS = 100.0, 0.1, 1.0
@@ -50,7 +50,8 @@ def build_atlas(growth: Growth, gaits: Sequence[int], largest: int | None = None
 class _Analysed:
     """A pattern's nodes in weighted numbers: points [n, ny], tangents [n, a, ny], and all their modes [m, ny].
 
-    sizes [m]: what each mode explains of the squares of all nodes, largest first.
+    sizes [m]: what each mode explains of the squares of all nodes, largest first. bounds: how many numbers impose the
+    pattern.
     """
 
     places: Array
@@ -61,15 +62,17 @@ class _Analysed:
     tangents: Array
     modes: Array
     sizes: Array
+    bounds: int
 
+    @property
     def mode_bytes(self) -> int:
         """What one more mode takes: its own numbers, and a coordinate and tangents for every node."""
-        return 4 * (len(self.weights) + self.tangents.shape[0] * (1 + self.tangents.shape[1]))
+        return 4 * (len(self.weights) + len(self.places) + self.places.size)
 
-    def other_bytes(self, space: GaitSpace) -> int:
-        """What is there without any mode: bounds, mean, and for every node its place, cost and slopes."""
-        bounds = 16 * (len(space.lower) + len(space.lower_rows))
-        return bounds + 4 * len(self.weights) + 8 * self.places.size * 2 + 8 * len(self.places)
+    @property
+    def other_bytes(self) -> int:
+        """What is there without any mode: bounds, mean, for every node its place, cost and slopes; and their names."""
+        return 8 * self.bounds + 4 * len(self.weights) + 8 * (2 * self.places.size + len(self.places)) + NAMES
 
 
 def _analysed(growth: Growth, number: int) -> _Analysed:
@@ -84,7 +87,8 @@ def _analysed(growth: Growth, number: int) -> _Analysed:
     mean = points.mean(axis=0)
     points -= mean
     modes, sizes = _modes(points, tangents * growth.steps[:, None])
-    return _Analysed(places, pairs, weights, mean, points, tangents, modes, sizes)
+    bounds = 2 * (len(space.lower) + len(space.lower_rows))
+    return _Analysed(places, pairs, weights, mean, points, tangents, modes, sizes, bounds)
 
 
 def _modes(points: Array, tangents: Array) -> tuple[Array, Array]:
@@ -103,10 +107,10 @@ def _modes(points: Array, tangents: Array) -> tuple[Array, Array]:
 def _mode_counts(sheets: Sequence[_Analysed], largest: int) -> list[int]:
     """How many modes each pattern keeps, at least one: the largest of all, as many as fit."""
     counts = [1] * len(sheets)
-    left = largest - sum(sheet.mode_bytes() + 30 * len(sheet.weights) for sheet in sheets)
+    left = largest - NAMES - sum(sheet.mode_bytes + sheet.other_bytes for sheet in sheets)
     wanted = [(-size, number) for number, sheet in enumerate(sheets) for size in sheet.sizes[1:]]
     for _, number in sorted(wanted):
-        left -= sheets[number].mode_bytes()
+        left -= sheets[number].mode_bytes
         if left < 0:
             break
         counts[number] += 1
