@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Mapping, Sequence
 
 import pandas as pd
@@ -25,6 +26,7 @@ LONG_NAME = 22  # letters
 MAX_NAMED = 12  # gaits with a colour of their own, those that win most tasks
 COLUMNS = 3  # of panels
 TAIL = "#c4c4c4"
+TITLE_WIDTH = 90  # characters of a line over the whole figure
 BAND = (-0.5, 0.5)  # heights of a map of one axis
 
 
@@ -61,10 +63,7 @@ def draw_gait_map(
         draw_tasks(panel, colours)
         panel.axes.use_sticky_edges = False
         panel.axes.margins(0.035)
-    if len(panels) > 1:
-        figure.suptitle(title, fontsize=12, x=0.01, ha="left")
-    else:
-        panels[0].axes.set_title(title, fontsize=12, loc="left")
+    figure.suptitle(textwrap.fill(title, TITLE_WIDTH), fontsize=12, x=0.01, ha="left")
     if below:
         figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=9, frameon=False)
     else:
