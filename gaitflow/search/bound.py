@@ -47,8 +47,8 @@ def ruled_out(scenario: Scenario, pattern: Pattern, task: Task, incumbent: float
 
 def least_cost(scenario: Scenario, pattern: Pattern, task: Task, support: float) -> float:
     """A floor of the unscaled cost of any motion whose legs stand `support` [s] together at most."""
-    objective, demand = scenario.objective, demand_of(task)
-    impulse = scenario.robot.mass * math.hypot(demand.normal, demand.along) * demand.cycle_duration
+    objective, demand = scenario.objective, demand_of(scenario.robot, task)
+    impulse = demand.mass * math.hypot(demand.normal, demand.along) * demand.cycle_duration
     falling = objective.normal_velocity * demand.normal**2 + objective.tangential_velocity * demand.along**2
     flights = sum(_spread(scenario, phases, demand.cycle_duration) for phases in _flights(pattern))
     return (objective.force * impulse**2 / support + falling * flights) * (1 - ROUNDING)

@@ -54,6 +54,7 @@ class Demand:
     the body, normal to the ground and along it; the latter is 0, as nothing is known of it, where the body turns.
     """
 
+    mass: float
     cycle_duration: float
     travel: float
     spread: float
@@ -62,26 +63,26 @@ class Demand:
     along: float
 
 
-def demand_of(task: Task) -> Demand:
+def demand_of(robot: Robot, task: Task) -> Demand:
     """The demand of a task, along x where it stands still."""
     slope, turning = math.radians(task["slope"]), task["yaw_rate"] != 0
     forward, left = task["speed"] * task.cycle_duration, task["lateral_speed"] * task.cycle_duration
     travel = math.hypot(forward, left)
     spread = (abs(forward) + abs(left)) / travel if travel else 1.0
     along = 0.0 if turning else abs(GRAVITY * math.sin(slope) + task["acceleration"])
-    return Demand(task.cycle_duration, travel, spread, turning, GRAVITY * math.cos(slope), along)
+    return Demand(robot.mass, task.cycle_duration, travel, spread, turning, GRAVITY * math.cos(slope), along)
 
 
 def why_impossible(scenario: Scenario, pattern: Pattern, task: Task) -> str | None:
     """Why no motion with this pattern can do the task; None when nothing here rules it out."""
-    demand = demand_of(task)
+    demand = demand_of(scenario.robot, task)
     if not any("1" in row for row in pattern.rows):
         return NO_SUPPORT
     if demand.along > task["friction"] * demand.normal * (1 + ROUNDING):
         return NO_GRIP
     if demand.travel and not demand.turning and any("0" not in row for row in pattern.rows):
         return NO_SWING
-    needed = scenario.robot.mass * demand.normal * demand.cycle_duration / scenario.robot.max_force
+    needed = demand.mass * demand.normal * demand.cycle_duration / scenario.robot.max_force
     if _most_support(scenario, pattern, demand) >= needed and _glides(scenario, pattern, demand):
         return None  # as for most patterns: not worth a linear program
     support = longest_support(scenario, pattern, task)
@@ -92,7 +93,7 @@ def why_impossible(scenario: Scenario, pattern: Pattern, task: Task) -> str | No
 
 def longest_support(scenario: Scenario, pattern: Pattern, task: Task) -> float | None:
     """The most that the stances of all legs can last together, a cycle [s]; None when the program is empty."""
-    demand = demand_of(task)
+    demand = demand_of(scenario.robot, task)
     if demand.turning:
         return _most_support(scenario, pattern, demand)
     equalities, targets, rows, limits, variable_bounds = _program(scenario, pattern, demand)
@@ -115,7 +116,7 @@ def longest_support(scenario: Scenario, pattern: Pattern, task: Task) -> float |
 
 def most_support(scenario: Scenario, pattern: Pattern, task: Task) -> float:
     """An upper bound of `longest_support` without a linear program [s]."""
-    return _most_support(scenario, pattern, demand_of(task))
+    return _most_support(scenario, pattern, demand_of(scenario.robot, task))
 
 
 def _most_support(scenario: Scenario, pattern: Pattern, demand: Demand) -> float:
