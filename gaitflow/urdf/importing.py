@@ -11,10 +11,11 @@ import numpy as np
 
 from gaitflow.config.file import ConfigError
 from gaitflow.config.robot import Robot
+from gaitflow.core.layout import GRAVITY
 from gaitflow.core.names import leg_place
 from gaitflow.urdf.chain import LegChain
 from gaitflow.urdf.description import read_description
-from gaitflow.urdf.limits import GRAVITY, max_foot_speed, max_vertical_force
+from gaitflow.urdf.limits import max_foot_speed, max_vertical_force
 from gaitflow.urdf.mechanism import Array, load_mechanism
 from gaitflow.urdf.pose import find_srdf, is_written, pose_of
 from gaitflow.urdf.reach import check_box, check_reach, default_box, longest_reach

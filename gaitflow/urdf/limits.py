@@ -8,10 +8,10 @@ import numpy as np
 from scipy.optimize import linprog
 
 from gaitflow.config.file import ConfigError
+from gaitflow.core.layout import GRAVITY
 from gaitflow.urdf.chain import LegChain
 from gaitflow.urdf.mechanism import Array
 
-GRAVITY = 9.81  # m/s^2
 MOST_WEIGHTS = 10  # on one foot: an effort limit that allows more is a placeholder
 MOST_JOINT_SPEED = 100.0  # rad/s, 16 turns a second: a velocity limit above it is a placeholder
 LEAST_LEVER = 1e-6  # m: a joint whose axis the force passes this close by carries none of it
