@@ -39,7 +39,8 @@ def gait_costs(solutions: pd.DataFrame, leg_names: Sequence[str]) -> pd.DataFram
 
     `cost` is on the scenario's mesh, `refined_cost` that of the same pattern on a finer one (NaN when unknown), of
     `refined_knots` a phase. `excess` is the share by which a gait is dearer than the best of its task, 0 for that one.
-    It compares refined costs; a gait without one is taken to be misjudged by its mesh as the cheapest one is.
+    It compares refined costs; a gait without one is taken to gain by a finer mesh what those with one gain at least.
+    So it never comes before one that is cheaper on the scenario's mesh and was refined.
     """
     task = task_columns(solutions.columns)
     good = (solutions["status"] == "solved") & (solutions["violation"] <= MAX_VIOLATION)
@@ -47,7 +48,11 @@ def gait_costs(solutions: pd.DataFrame, leg_names: Sequence[str]) -> pd.DataFram
     rows = rows.assign(gait=rows["gait_key"].map(_names(rows["gait_key"].unique(), leg_names)).astype(str))
     rows = rows.sort_values([*task, "cost", "pattern"], kind="stable")
     rows = rows.assign(compared=_comparable(rows, task))
-    rows = rows.sort_values([*task, "compared", "cost", "pattern"], kind="stable").drop_duplicates([*task, "gait_key"])
+    # What is known of a gait on the finer mesh goes before what is assumed.
+    rows = rows.assign(assumed=rows["refined_cost"].isna())
+    rows = rows.sort_values([*task, "assumed", "compared", "cost", "pattern"], kind="stable")
+    rows = rows.drop_duplicates([*task, "gait_key"])
+    rows = rows.sort_values([*task, "compared", "assumed", "cost", "pattern"], kind="stable")
     best = rows.groupby(task, sort=False)["compared"].transform("first")
     rows = rows.assign(excess=relative_cost(rows["compared"].to_numpy(), best.to_numpy()))
     return rows[[*task, *COSTS]].reset_index(drop=True)
@@ -135,12 +140,10 @@ def _settled(first_two: pd.DataFrame, margin: float, tolerance: float, knots: in
 
 
 def _comparable(rows: pd.DataFrame, task: list[str]) -> pd.Series:
-    """Costs on one scale a task: on the finer mesh, or what they would be there if the mesh erred as for its best."""
-    refined = rows["refined_cost"].notna()
+    """Costs on one scale a task: on the finer mesh, or what they would be there by the largest ratio that is known."""
     ratio = (rows["refined_cost"] / rows["cost"]).where(rows["cost"] != 0.0, 1.0)
-    # Rows are sorted by cost, and "first" skips what is not known.
-    common = ratio.groupby([rows[column] for column in task]).transform("first").fillna(1.0)
-    return rows["refined_cost"].where(refined, rows["cost"] * common)
+    largest = ratio.groupby([rows[column] for column in task]).transform("max").fillna(1.0)  # skips what is not known
+    return rows["refined_cost"].where(rows["refined_cost"].notna(), rows["cost"] * largest)
 
 
 def _names(keys: Sequence[str], leg_names: Sequence[str]) -> dict[str, str]:

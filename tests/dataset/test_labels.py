@@ -134,6 +134,22 @@ def test_a_gait_is_represented_by_its_pattern_of_least_refined_cost() -> None:
     assert costs[["pattern", "cost", "refined_cost"]].to_numpy().tolist() == [["1110/1011", 2.1, 1.9]]
 
 
+def test_what_is_known_of_a_gait_goes_before_what_is_assumed() -> None:
+    task = at(0.5, 1.0)
+    rows = [
+        solve(task, GALLOP, 2.0, refined_cost=1.8, refined_knots=20),
+        solve(task, WALK, 3.0, pattern="0111/1101", refined_cost=2.99, refined_knots=20),
+        solve(task, WALK, 3.01, pattern="1110/1011"),  # 2.71 there, if it gained as much as gallop does
+        solve(task, BOUND, 3.01),
+    ]
+    costs = gait_costs(pd.DataFrame(rows), LEGS)
+    assert costs["gait"].tolist() == ["gallop", "walking", "bounding"]
+    assert costs["pattern"].tolist()[1] == "0111/1101" and costs["excess"].is_monotonic_increasing
+    row = label_tasks(costs, [task], 1e-3, KNOTS).iloc[0]
+    assert (row["runner_up"], row["resolved"]) == ("walking", True)
+    assert row["margin"] == pytest.approx(1.19 / 1.8)
+
+
 def test_mirror_images_that_a_task_tells_apart_have_names_of_their_own() -> None:
     left, right = "0011/1101/1110/1101", "1101/0011/1101/1110"
     axes = [*AXES, "yaw_rate"]
