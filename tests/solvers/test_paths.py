@@ -84,7 +84,7 @@ def test_rows_are_met_and_variables_balanced(seed: int, variables: int, rows: in
 
 
 def test_a_gaits_feet_are_joined_while_they_stand(solved: dict, program: Program) -> None:
-    """Walking, 0111/1101, 4 knots a phase: a foot stands at 13 knots, and the first of the cycle is the last one, too."""
+    """Walking, 0111/1101, 4 knots a phase: a foot stands at 13 knots, and the first of the cycle is its last, too."""
     kkt = Kkt(program, solved["walking"].space)
     sizes = np.bincount(kkt._groups)
     assert sorted(sizes)[-2:] == [14, 14]
