@@ -69,19 +69,20 @@ def collect(store: UnitStore, scenario: Scenario) -> Path:
     return target
 
 
-def thin(collected: Path, target: Path, gaits: int, dearer: float) -> Path:
+def thin(collected: Path, target: Path, costs: pd.DataFrame, gaits: int, dearer: float) -> Path:
     """Copy a collected file to a size that can be published; the rows stay, most of the motions go.
 
-    Of each task the `gaits` cheapest gaits keep the trajectory of their cheapest solve. Of these the ones that cost at
-    most the share `dearer` more than the best keep multipliers, in single precision, which is enough to start a solve.
-    Raises ValueError when `collected` is damaged or not ours, WriteError.
+    `costs` are those of its gaits (`gaitflow.dataset.labels.gait_costs`). Of each task the `gaits` cheapest gaits keep
+    the trajectory of their pattern's cheapest solve. Of these the ones that are at most the share `dearer` dearer than
+    the best keep multipliers, in single precision, which is enough to start a solve. Raises ValueError when `collected`
+    is damaged or not ours, WriteError.
     """
     check_seal(collected)
     with pq.ParquetFile(collected) as file, new_file(target, replace=True) as thinned:
         record = read_record(file.metadata.metadata, str(collected))
         schema = file.schema_arrow.remove_metadata()
         rows = file.read(columns=scalar_columns(schema.names)).to_pandas()
-        motion, near = _cheapest(rows, gaits, dearer)
+        motion, near = _worth_keeping(rows, costs, gaits, dearer)
 
         def tables() -> Iterator[pa.Table]:
             start = 0
@@ -124,16 +125,20 @@ def _scalars(store: UnitStore, units: Sequence[Unit], columns: Sequence[str]) ->
     return pa.concat_tables(tables), list(makers.values())
 
 
-def _cheapest(rows: pd.DataFrame, gaits: int, dearer: float) -> tuple[Mask, Mask]:
-    """Which rows [n] are the best of their task's cheapest gaits; which of these are nearly as cheap as the best."""
+def _worth_keeping(rows: pd.DataFrame, costs: pd.DataFrame, gaits: int, dearer: float) -> tuple[Mask, Mask]:
+    """Which rows [n] are of their task's cheapest gaits; which of these are nearly as cheap as the best."""
     task = task_columns(rows.columns)
+    key = [*task, "pattern"]
+    chosen = costs.sort_values([*task, "excess"], kind="stable").groupby(task).head(gaits)
+    excess = {tuple(row[:-1]): row[-1] for row in chosen[[*key, "excess"]].itertuples(index=False)}
     solved = rows[rows["status"] == "solved"].sort_values(["cost", *_order(rows.columns)], kind="stable")
-    best = solved.drop_duplicates([*task, "gait"])
-    chosen = best.groupby(task).head(gaits)
-    least = chosen.groupby(task)["cost"].transform("min")
-    near = chosen[chosen["cost"] - least <= dearer * least.abs()]
-    motion, close = (rows.index.isin(some.index) for some in (chosen, near))
-    return np.asarray(motion, dtype=bool), np.asarray(close, dtype=bool)
+    best = solved.drop_duplicates(key)
+    found = {
+        index: excess.get(tuple(row), np.inf)
+        for index, row in zip(best.index, best[key].itertuples(index=False), strict=True)
+    }
+    kept = np.array([found.get(index, np.inf) for index in rows.index])
+    return np.isfinite(kept), kept <= dearer
 
 
 def _order(names: Iterable[str]) -> list[str]:

@@ -28,7 +28,8 @@ def with_motion_checks(labels: pd.DataFrame, solutions: Solutions) -> pd.DataFra
     """The labels with the columns COLUMNS: `motion_checks` of each label's motion, NaN where there is none."""
     frame, scenario = solutions.frame(), solutions.record["scenario"]
     key = [*task_columns(labels.columns), "pattern"]
-    places = {row: place for place, row in enumerate(zip(*(frame[name] for name in key), strict=True))}
+    ordered = frame.sort_values("cost", ascending=False, na_position="first")  # so that the cheapest comes last
+    places = dict(zip(zip(*(ordered[name] for name in key), strict=True), ordered.index, strict=True))
     nothing = dict.fromkeys(COLUMNS, np.nan)
     checks = [
         motion_checks(scenario, solutions[places[row]]) if row in places else nothing

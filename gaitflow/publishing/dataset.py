@@ -73,7 +73,8 @@ def publish_dataset(
     if version is None and (same := _newest_same(folder, content)) is not None:
         return same
     with TemporaryDirectory(dir=collected.parent) as scratch:
-        small = thin(collected, Path(scratch) / FILE_NAME, KEPT_GAITS, KEPT_DEARER).read_bytes()
+        costs = pd.read_parquet(gait_costs)
+        small = thin(collected, Path(scratch) / FILE_NAME, costs, KEPT_GAITS, KEPT_DEARER).read_bytes()
     files = {FILE_NAME: small, LABELS: labels.read_bytes(), GAIT_COSTS: gait_costs.read_bytes()}
 
     def publish(number: str) -> Path:
@@ -130,10 +131,10 @@ def _card(version: str, record: Mapping[str, Any], labels: pd.DataFrame) -> str:
 | `{LABELS}` | one task: its best gait, the margin, how sure it is, and how good its motion is between the knots |
 | `{GAIT_COSTS}` | one gait at one task: its least cost |
 
-Motions are kept for the cheapest solve of each of a task's {KEPT_GAITS} cheapest gaits, and multipliers, rounded to
-single precision, for those of them that are at most {KEPT_DEARER:.0%} dearer than the best. All other rows have nulls
-there. Scenario, code version, package versions and processor are in the Parquet metadata under `gaitflow`; the columns
-are explained in `docs/data-format.md`.
+Motions are kept for each of a task's {KEPT_GAITS} cheapest gaits, in the pattern that `{GAIT_COSTS}` names; for those
+of them that are at most {KEPT_DEARER:.0%} dearer than the best also multipliers, rounded to single precision. All other
+rows have nulls there. Scenario, code version, package versions and processor are in the Parquet metadata under
+`gaitflow`; the columns are explained in `docs/data-format.md`.
 
 | tasks | gait | wins |
 | --- | --- | --- |

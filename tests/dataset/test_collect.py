@@ -15,6 +15,7 @@ from gaitflow.config.tasks import tasks_of
 from gaitflow.dataset import collect as module
 from gaitflow.dataset import load_solutions
 from gaitflow.dataset.collect import NotComplete, collect, thin
+from gaitflow.dataset.labels import gait_costs
 from gaitflow.dataset.schema import HEAVY
 from gaitflow.search.solution import Solution
 from gaitflow.store.parts import UnitStore
@@ -91,8 +92,9 @@ def test_published_size_keeps_trajectories_of_the_cheapest_gaits(
 ) -> None:
     collected = collect(fill(store, units, make_solutions), scenario)
     monkeypatch.setattr(module, "ROWS_PER_GROUP", 5)
-    small = load_solutions(thin(collected, store.folder / "small.parquet", gaits=1, dearer=0.0))
     whole = load_solutions(collected)
+    costs = gait_costs(whole.frame(), scenario.robot.leg_names)
+    small = load_solutions(thin(collected, store.folder / "small.parquet", costs, gaits=1, dearer=0.0))
     assert small.record == whole.record
     pd.testing.assert_frame_equal(whole.frame(), small.frame())
     for _, rows in small.frame().groupby(["split", "cycle_duration", "speed"]):
@@ -112,7 +114,8 @@ def test_multipliers_are_kept_near_the_best_in_single_precision(
 
     collected = collect(fill(store, units, two_gaits), scenario)
     whole = load_solutions(collected)
-    small = load_solutions(thin(collected, store.folder / "small.parquet", gaits=2, dearer=0.05))
+    costs = gait_costs(whole.frame(), scenario.robot.leg_names)
+    small = load_solutions(thin(collected, store.folder / "small.parquet", costs, gaits=2, dearer=0.05))
     solved = whole.frame()["status"] == "solved"
     assert [row.trajectory is not None for row in small] == solved.tolist()
     # Costs are 100 v and 100 v + 1: within 5 % at 1.1 m/s and above, not at 0.1 m/s.
@@ -163,5 +166,5 @@ def test_a_damaged_dataset_is_not_thinned(
     collected = collect(fill(store, units, make_solutions), scenario)
     collected.write_bytes(collected.read_bytes()[:-50])
     with pytest.raises(ValueError, match="truncated"):
-        thin(collected, store.folder / "small.parquet", gaits=1, dearer=0.1)
+        thin(collected, store.folder / "small.parquet", pd.DataFrame(), gaits=1, dearer=0.1)
     assert not (store.folder / "small.parquet").exists()

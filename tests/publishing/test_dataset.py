@@ -13,8 +13,10 @@ import pytest
 from small_units import solutions_of
 
 from gaitflow.config.scenario import Scenario, load_scenario
+from gaitflow.config.tasks import tasks_of
 from gaitflow.dataset import load_solutions
 from gaitflow.dataset.collect import collect
+from gaitflow.dataset.labels import gait_costs, label_tasks
 from gaitflow.publishing.dataset import FILES, LABELS, publish_dataset, read_manifest
 from gaitflow.publishing.verify_dataset import verify_dataset
 from gaitflow.publishing.versioned_folder import VersionExists
@@ -35,11 +37,10 @@ def run(checkout: Path, tmp_path: Path) -> tuple[Path, Path, Path]:
     for unit in plan_units(scenario):
         store.write(unit, solutions_of(unit), {})
     collected = collect(store, scenario)
-    frame = load_solutions(collected).frame().drop_duplicates(["speed", "cycle_duration"])
     labels, costs = tmp_path / "labels.parquet", tmp_path / "gait_costs.parquet"
-    told = frame[["speed", "cycle_duration", "split", "gait"]].assign(status="solved", label="gallop")
-    told.to_parquet(labels)
-    told.to_parquet(costs)
+    known = gait_costs(load_solutions(collected).frame(), scenario.robot.leg_names)
+    known.to_parquet(costs)
+    label_tasks(known, tasks_of(scenario), 1e-3, 2).to_parquet(labels)
     return collected, labels, costs
 
 
