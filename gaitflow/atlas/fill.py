@@ -1,6 +1,7 @@
 """Where the atlas predicts badly between its nodes: kinks, cliffs and borders of gaits get nodes of their own.
 
-Tested are the centres of the grid's cells; where a test fails a node is added, and the cell's parts are tested next.
+Tested are the centres of the grid's cells; where a test fails a node is added, and the cell's parts are tested next,
+those of the worst cells first.
 """
 
 from __future__ import annotations
@@ -15,11 +16,14 @@ from gaitflow.atlas.grow import Growth
 from gaitflow.atlas.node import Place
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas
+from gaitflow.solvers.interior_point import Outcome
 
 ROUNDS = 3
+MOST_TESTS = 1000
 GOOD = 8  # iterations that a prediction may need
 LIMIT = 18  # of a plan's first try
 WRONG = 0.02  # relative error of a predicted cost that is not good
+LEAST_ERROR = 1e-6  # of what took too many iterations
 RIVAL = 1.1  # times the least predicted cost: gaits that might be the cheapest
 RIVALS = 4
 DECIMALS = 9
@@ -44,13 +48,15 @@ class Cell:
 
 def fill(growth: Growth, compiled: Callable[[], Atlas], tie_tolerance: float, rounds: int = ROUNDS) -> None:
     """Add nodes where tests fail; `compiled` makes the atlas of the nodes that there are, its sheets in their order."""
-    cells = _cells(growth)
+    cells, left = _cells(growth), MOST_TESTS
     for _ in range(rounds):
         atlas = compiled()
         sheets = [number for number, nodes in enumerate(growth.nodes) if nodes]
-        bad = [cell for cell in cells if not _predicts_well(growth, atlas, sheets, cell.centre, tie_tolerance)]
+        wrong = [(cell, _error(growth, atlas, sheets, cell.centre, tie_tolerance)) for cell in cells]
+        left -= len(cells)
         growth.spread()
-        cells = [part for cell in bad for part in cell.parts()]
+        worst = sorted((each for each in wrong if each[1] > 0), key=lambda each: -each[1])
+        cells = [part for cell, _ in worst for part in cell.parts()][:left]
         if not cells:
             return
 
@@ -68,26 +74,32 @@ def _cells(growth: Growth) -> list[Cell]:
     return [cell for cell in boxes if any(cell.half) and growth.inside(cell.centre)]
 
 
-def _predicts_well(growth: Growth, atlas: Atlas, sheets: Sequence[int], place: Place, tie_tolerance: float) -> bool:
-    """Whether the atlas predicts well at a place; where not, the gaits that may be the cheapest get nodes there."""
+def _error(growth: Growth, atlas: Atlas, sheets: Sequence[int], place: Place, tie_tolerance: float) -> float:
+    """How wrong the atlas is at a place: the relative error of a cost, infinite where a start led nowhere, 0 if good.
+
+    Where it is not good the gaits that may be the cheapest get nodes there.
+    """
     asked = np.array(place)
     first, rivals = _rivals(atlas, asked)
-    found: dict[int, float] = {}
-    well = bool(rivals)
+    found: dict[int, Outcome] = {}
     for rival in rivals:
         predicted = atlas.predict(rival, asked)
         assert predicted is not None, "a ranked sheet has a node within reach"
         outcome = growth.solver.refined(sheets[rival], place, predicted, LIMIT)
         if outcome.converged and outcome.cost > 0:
-            found[rival] = outcome.cost
-        if rival == first:
-            right = outcome.converged and abs(predicted.cost / outcome.cost - 1) <= WRONG
-            well = right and outcome.iterations <= GOOD
-    if found:
-        well = well and found[first] <= min(found.values()) * (1 + tie_tolerance)
-    if not well:
+            found[rival] = outcome
+            if rival == first:
+                off = abs(predicted.cost / outcome.cost - 1)
+    if first not in found:
+        error = np.inf
+    else:
+        chosen = found[first]
+        regret = chosen.cost / min(one.cost for one in found.values()) - 1
+        good = off <= WRONG and chosen.iterations <= GOOD and regret <= tie_tolerance
+        error = 0.0 if good else max(off, regret, LEAST_ERROR)
+    if error:
         _add(growth, atlas, sheets, place, rivals)
-    return well
+    return float(error)
 
 
 def _rivals(atlas: Atlas, asked: Array) -> tuple[int, list[int]]:

@@ -23,6 +23,7 @@ from gaitflow.search.solution import Solution
 COMPETITIVE = 1.15  # a gait is seeded at, and spreads from, tasks where it costs at most this times the cheapest
 CHEAPER = 1e-4  # relative: a motion that saves less is the same one
 PROMISING = 0.02  # relative: what a neighbour's motion must promise to save before it is tried
+APART = 0.5  # in the problem's scaled variables: how far it must be from the motion that is there
 
 
 @dataclass
@@ -108,15 +109,18 @@ class Growth:
 
     def _try(self, sheet: int, node: Node, near: Place) -> None:
         """A node beside `node`, by its tangents, and first of all from the dataset's own solution."""
-        known, predicted = self.nodes[sheet].get(near), node.moved(near)
-        if known is not None and predicted.cost > known.cost * (1 - PROMISING):
-            return
-        start = self._starts[sheet].get(near)
-        if known is None and start is not None:
+        predicted, start = node.moved(near), self._starts[sheet].get(near)
+        if near not in self.nodes[sheet] and start is not None:
             self.keep(sheet, self.solver.node(sheet, near, start))
-            known = self.nodes[sheet].get(near)
-        if known is None or predicted.cost < known.cost * (1 - PROMISING):
+        known = self.nodes[sheet].get(near)
+        if known is None or self._promises(sheet, predicted, known):
             self.keep(sheet, self.solver.node(sheet, near, predicted))
+
+    def _promises(self, sheet: int, predicted: Prediction, known: Node) -> bool:
+        """Whether a prediction is of another motion than the known one, and of a cheaper one."""
+        free = len(self.solver.methods[sheet].space.free)
+        apart = np.abs(predicted.point[:free] - known.point[:free]).max()
+        return bool(predicted.cost < known.cost * (1 - PROMISING) and apart > APART)
 
     def _neighbours(self, place: Place) -> list[Place]:
         """The places one step of the grid away that are inside; none for a place off the grid."""

@@ -48,19 +48,21 @@ def test_an_axis_of_one_value_has_no_middle() -> None:
 def test_nodes_are_added_only_where_a_prediction_failed(growth: Growth, monkeypatch: pytest.MonkeyPatch) -> None:
     bad = fill_module._cells(growth)[3]
     asked: list[tuple[float, ...]] = []
-    well = fill_module._predicts_well
+    real = fill_module._error
 
-    def judged(grown: Growth, atlas: object, sheets: Sequence[int], place: tuple[float, ...], tolerance: float) -> bool:
+    def judged(
+        grown: Growth, atlas: object, sheets: Sequence[int], place: tuple[float, ...], tolerance: float
+    ) -> float:
         asked.append(place)
         if place == bad.centre:
             monkeypatch.setattr(fill_module, "GOOD", -1)
-            found = well(grown, atlas, sheets, place, tolerance)  # type: ignore[arg-type]
+            found = real(grown, atlas, sheets, place, tolerance)  # type: ignore[arg-type]
             monkeypatch.undo()
-            monkeypatch.setattr(fill_module, "_predicts_well", judged)
+            monkeypatch.setattr(fill_module, "_error", judged)
             return found
-        return True
+        return 0.0
 
-    monkeypatch.setattr(fill_module, "_predicts_well", judged)
+    monkeypatch.setattr(fill_module, "_error", judged)
     before = {place for nodes in growth.nodes for place in nodes}
     fill(growth, lambda: build_atlas(growth, [0, 1]), 1e-3, rounds=2)
     assert {place for nodes in growth.nodes for place in nodes} - before == {bad.centre}
@@ -70,7 +72,7 @@ def test_nodes_are_added_only_where_a_prediction_failed(growth: Growth, monkeypa
 def test_what_is_added_is_predicted_well_afterwards(growth: Growth) -> None:
     atlas = build_atlas(growth, [0, 1])
     cells = fill_module._cells(growth)
-    failed = [cell for cell in cells if not fill_module._predicts_well(growth, atlas, [0, 1], cell.centre, 1e-3)]
+    failed = [cell for cell in cells if fill_module._error(growth, atlas, [0, 1], cell.centre, 1e-3)]
     assert 0 < len(failed) < len(cells)
     again = build_atlas(growth, [0, 1])
     wrong = 0
@@ -82,6 +84,19 @@ def test_what_is_added_is_predicted_well_afterwards(growth: Growth) -> None:
         outcome = growth.solver.refined(first, cell.centre, predicted, 30)
         wrong += not outcome.converged or abs(predicted.cost / outcome.cost - 1) > 1e-3
     assert wrong <= 0.2 * len(failed)
+
+
+def test_when_tests_run_out_the_worst_cells_are_looked_into(growth: Growth, monkeypatch: pytest.MonkeyPatch) -> None:
+    cells, asked = fill_module._cells(growth), list[tuple[float, ...]]()
+
+    def judged(_: object, __: object, ___: object, place: tuple[float, ...], ____: float) -> float:
+        asked.append(place)
+        return float(np.inf if place == cells[5].centre else place == cells[2].centre)
+
+    monkeypatch.setattr(fill_module, "_error", judged)
+    monkeypatch.setattr(fill_module, "MOST_TESTS", len(cells) + 4)
+    fill(growth, lambda: build_atlas(growth, [0, 1]), 1e-3, rounds=5)
+    assert asked == [cell.centre for cell in cells] + [part.centre for part in cells[5].parts()]
 
 
 def test_filling_twice_the_same_gives_the_same() -> None:

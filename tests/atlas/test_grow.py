@@ -141,6 +141,12 @@ def test_a_better_motion_of_a_neighbour_replaces_a_worse_one(monkeypatch: pytest
     assert {found.cost for found in growth.nodes[0].values()} == {1.0}
 
 
+def test_a_cheaper_prediction_of_the_same_motion_is_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(grow_module, "APART", 2.0)
+    growth = scripted(monkeypatch, dearer=1.1)
+    assert growth.solver.solves == len(growth.nodes[0]) - 2
+
+
 def test_a_gain_too_small_to_tell_is_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
     growth = scripted(monkeypatch, dearer=1.001)
     assert {found.cost for found in growth.nodes[0].values()} == {1.0, 1.001}
