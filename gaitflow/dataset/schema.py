@@ -61,6 +61,12 @@ def scalar_columns(names: Iterable[str]) -> list[str]:
     return [name for name in names if name in AXES or name in SCALARS]
 
 
+def row_order(names: Iterable[str]) -> list[str]:
+    """The columns by which a table's rows are sorted: split, task (its last axis first), pattern, seed and start."""
+    *axes, split = task_columns(names)
+    return [split, *reversed(axes), "pattern", "seed", "start"]
+
+
 def array_shapes(layout: Layout) -> dict[str, tuple[int, ...]]:
     """Shapes of a trajectory's columns: K+1 knots, nb base states, K steps, legs, d coordinates, phases."""
     k, legs, d = layout.steps, layout.legs, layout.dimension

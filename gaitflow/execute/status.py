@@ -9,7 +9,7 @@ from typing import Any
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.execute.schedulers.jobs import DRIVER, SlurmError, jobs_of
-from gaitflow.store.attempts import Attempt
+from gaitflow.store.attempts import LostAttempt
 from gaitflow.store.journal import read_journal
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import plan_units
@@ -49,7 +49,7 @@ class RunStatus:
     quarantined: int
     cpu_hours_spent: float
     cpu_hours_left: float | None
-    errors: tuple[Attempt, ...]
+    errors: tuple[LostAttempt, ...]
     jobs: JobCounts | None
     logs: str | None
 

@@ -14,9 +14,9 @@ from typing import Any
 import pandas as pd
 
 from gaitflow.core.errors import ArtifactError
-from gaitflow.dataset.collect import thin
 from gaitflow.dataset.read import FILE_NAME, load_solutions
 from gaitflow.dataset.schema import task_columns
+from gaitflow.dataset.thin import thin
 from gaitflow.publishing.versioned_folder import listed, publish_folder, publish_next
 from gaitflow.runtime.files import CARD, MANIFEST, FileEntry, read_limited
 from gaitflow.runtime.manifest import TIME_FORMAT
@@ -63,7 +63,7 @@ def publish_dataset(
     """Publish `datasets/<scenario>/<version>` and return it.
 
     Without `version` it is the next free one, or, when the newest version has the same content, that one as it is. The
-    collected solutions are thinned (see `gaitflow.dataset.collect.thin`), the other files copied. Raises VersionExists
+    collected solutions are thinned (see `gaitflow.dataset.thin`), the other files copied. Raises VersionExists
     when `version` is taken, ValueError when a file is not what it should be, WriteError when the disk refuses.
     """
     solutions = load_solutions(collected)

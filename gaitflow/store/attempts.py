@@ -19,7 +19,7 @@ DETAIL_CHARACTERS = 4000
 
 
 @dataclass(frozen=True)
-class Attempt:
+class LostAttempt:
     """One attempt that came to nothing: which unit, the how-manyth, why ("crashed: SIGSEGV"), when, what it said."""
 
     unit: str
@@ -56,17 +56,17 @@ class Attempts:
         folders = self.folder.iterdir() if self.folder.is_dir() else ()
         return {folder.name for folder in folders if _latest(folder) >= MAX_ATTEMPTS}
 
-    def of(self, unit: Unit) -> list[Attempt]:
+    def of(self, unit: Unit) -> list[LostAttempt]:
         """This unit's attempts, oldest first."""
         return sorted(map(_read, (self.folder / unit.digest).glob("*.json")), key=lambda attempt: attempt.number)
 
-    def latest(self, number: int) -> list[Attempt]:
+    def latest(self, number: int) -> list[LostAttempt]:
         """The latest attempts of all units, newest first."""
         files = sorted(self.folder.glob("*/*.json"), key=lambda file: file.stat().st_mtime, reverse=True)
         return [_read(file) for file in files[:number]]
 
 
-def failed_solutions(unit: Unit, attempts: list[Attempt]) -> list[Solution]:
+def failed_solutions(unit: Unit, attempts: list[LostAttempt]) -> list[Solution]:
     """Rows that say a unit was given up: one a task, status "failed", `solver_status` such as "crashed: SIGSEGV x3"."""
     reasons = list(dict.fromkeys(attempt.reason for attempt in attempts))
     counts = {reason: sum(attempt.reason == reason for attempt in attempts) for reason in reasons}
@@ -94,13 +94,13 @@ def failed_solutions(unit: Unit, attempts: list[Attempt]) -> list[Solution]:
     ]
 
 
-def _read(file: Path) -> Attempt:
+def _read(file: Path) -> LostAttempt:
     try:
         data: Any = json.loads(file.read_text(encoding="utf-8"))
         reason, date, detail = str(data["reason"]), str(data["date"]), str(data["detail"])
     except (OSError, ValueError, KeyError, TypeError):
         reason, date, detail = "unreadable record", "", f"{file.name} cannot be read"
-    return Attempt(file.parent.name, _number(file), reason, date, detail)
+    return LostAttempt(file.parent.name, _number(file), reason, date, detail)
 
 
 def _latest(folder: Path) -> int:

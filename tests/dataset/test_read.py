@@ -45,7 +45,7 @@ def test_arrays_have_the_documented_shapes(dataset: Path) -> None:
 
 
 def test_a_dataset_of_an_older_version_comes_in_today_s_form(checkout: Path) -> None:
-    solutions = load_solutions(checkout / "datasets/half-cheetah-slope20-vibration/1.0.0")
+    solutions = load_solutions(checkout / "tests/data/datasets/half-cheetah-slope20-vibration/1.0.0")
     scenario = Scenario.from_data(solutions.record["scenario"], "record")
     assert scenario.tasks.axes["slope"] == 20.0 and scenario.transcription.forces == "held"
     frame = solutions.frame()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -90,3 +91,14 @@ def random_trajectory(generator: np.random.Generator, layout: Layout) -> Traject
     w = generator.normal(size=layout.nw)
     w[layout.fractions] = generator.uniform(size=layout.phases)
     return layout.unpack(w, 1.0)
+
+
+def filled(
+    store: UnitStore, units: tuple[Unit, ...], make_solutions: Callable[[Unit], list[Solution]], order_seed: int = 0
+) -> UnitStore:
+    """The store with solutions of all units, units and rows written in a random order."""
+    for unit in random.Random(order_seed).sample(units, len(units)):
+        rows = make_solutions(unit)
+        random.Random(order_seed).shuffle(rows)
+        store.write(unit, rows, {"tol": 1e-9})
+    return store

@@ -23,7 +23,7 @@ from gaitflow.publishing.versioned_folder import VersionExists
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import plan_units
 
-PUBLISHED = "datasets/half-cheetah-flat-effort/1.1.0"
+PUBLISHED = "tests/data/datasets/half-cheetah-slope20-vibration/1.0.0"  # four tasks of it
 
 
 @pytest.fixture

@@ -1,0 +1,76 @@
+"""Copying a dataset without the motions that matter little, to a size that can be kept beside the code."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from gaitflow.dataset.provenance import read_record
+from gaitflow.dataset.schema import HEAVY, MULTIPLIERS, row_order, scalar_columns, task_columns
+from gaitflow.files import new_file
+from gaitflow.store.seal import check_seal, write_sealed
+
+COMPRESSION_LEVEL = 15  # of zstd: what is published is written once
+ROWS_AT_ONCE = 2000
+
+Mask = NDArray[np.bool_]
+
+
+def thin(collected: Path, target: Path, costs: pd.DataFrame, gaits: int, dearer: float) -> Path:
+    """Copy a collected file to a size that can be published; the rows stay, most of the motions go.
+
+    `costs` are those of its gaits (`gaitflow.dataset.labels.gait_costs`). Of each task the `gaits` cheapest gaits keep
+    the trajectory of their pattern's cheapest solve. Of these the ones that are at most the share `dearer` dearer than
+    the best keep multipliers, in single precision, which is enough to start a solve. Raises ValueError when `collected`
+    is damaged or not ours, WriteError.
+    """
+    check_seal(collected)
+    with pq.ParquetFile(collected) as file, new_file(target, replace=True) as thinned:
+        record = read_record(file.metadata.metadata, str(collected))
+        schema = file.schema_arrow.remove_metadata()
+        rows = file.read(columns=scalar_columns(schema.names)).to_pandas()
+        motion, near = _worth_keeping(rows, costs, gaits, dearer)
+
+        def tables() -> Iterator[pa.Table]:
+            start = 0
+            for batch in file.iter_batches(batch_size=ROWS_AT_ONCE):
+                here = slice(start, start + len(batch))
+                columns = [_kept(batch[name], name, motion[here], near[here]) for name in schema.names]
+                yield pa.Table.from_arrays(columns, schema=schema)
+                start += len(batch)
+
+        write_sealed(thinned, schema, tables(), record, COMPRESSION_LEVEL)
+    return target
+
+
+def _kept(column: pa.Array, name: str, motion: Mask, near: Mask) -> pa.Array:
+    """A column of a batch, with nulls in the rows that are to lose it."""
+    if name not in HEAVY:
+        return column
+    kept = near if name in MULTIPLIERS else motion
+    column = column.take(pa.array(np.arange(len(column)), mask=~kept))
+    if name in MULTIPLIERS:
+        column = column.cast(pa.list_(pa.float32())).cast(column.type)
+    return column
+
+
+def _worth_keeping(rows: pd.DataFrame, costs: pd.DataFrame, gaits: int, dearer: float) -> tuple[Mask, Mask]:
+    """Which rows [n] are of their task's cheapest gaits; which of these are nearly as cheap as the best."""
+    task = task_columns(rows.columns)
+    key = [*task, "pattern"]
+    chosen = costs.sort_values([*task, "excess"], kind="stable").groupby(task).head(gaits)
+    excess = {tuple(row[:-1]): row[-1] for row in chosen[[*key, "excess"]].itertuples(index=False)}
+    solved = rows[rows["status"] == "solved"].sort_values(["cost", *row_order(rows.columns)], kind="stable")
+    best = solved.drop_duplicates(key)
+    found = {
+        index: excess.get(tuple(row), np.inf)
+        for index, row in zip(best.index, best[key].itertuples(index=False), strict=True)
+    }
+    kept = np.array([found.get(index, np.inf) for index in rows.index])
+    return np.isfinite(kept), kept <= dearer
