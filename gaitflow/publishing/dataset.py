@@ -93,8 +93,11 @@ def publish_dataset(
 
 
 def content_digest(record: Mapping[str, Any], labels: pd.DataFrame) -> str:
-    """What makes two datasets the same: the units solved and the labels drawn from them, not when or where."""
-    columns = [*task_columns(labels.columns), "gait", "label"]
+    """What makes two datasets the same: the units solved and what the labels say of them, not when or where.
+
+    Numbers do not count: they follow from the units, but for their last digits, which differ between machines.
+    """
+    columns = [*task_columns(labels.columns), "status", "gait", "pattern", "runner_up", "resolved", "label"]
     text = record["units_digest"] + labels[columns].to_csv(index=False)
     return hashlib.sha256(text.encode()).hexdigest()
 
