@@ -25,23 +25,23 @@ Mask = NDArray[np.bool_]
 def thin(collected: Path, target: Path, costs: pd.DataFrame, gaits: int, dearer: float) -> Path:
     """Copy a collected file to a size that can be published; the rows stay, most of the motions go.
 
-    `costs` are those of its gaits (`gaitflow.dataset.labels.gait_costs`). Of each task the `gaits` cheapest gaits keep
-    the trajectory of their pattern's cheapest solve. Of these the ones that are at most the share `dearer` dearer than
-    the best keep multipliers, in single precision, which is enough to start a solve. Raises ValueError when `collected`
-    is damaged or not ours, WriteError.
+    `costs` are those of its gaits (`gaitflow.dataset.labels.gait_costs`). Of each task's `gaits` cheapest gaits those
+    that are at most the share `dearer` dearer than the best keep their motion: the trajectory of their pattern's
+    cheapest solve, and its multipliers in single precision, which is enough to start a solve. Raises ValueError when
+    `collected` is damaged or not ours, WriteError.
     """
     check_seal(collected)
     with pq.ParquetFile(collected) as file, new_file(target, replace=True) as thinned:
         record = read_record(file.metadata.metadata, str(collected))
         schema = file.schema_arrow.remove_metadata()
         rows = file.read(columns=scalar_columns(schema.names)).to_pandas()
-        motion, near = _worth_keeping(rows, costs, gaits, dearer)
+        keep = _worth_keeping(rows, costs[costs["excess"] <= dearer], gaits)
 
         def tables() -> Iterator[pa.Table]:
             start = 0
             for batch in file.iter_batches(batch_size=ROWS_AT_ONCE):
-                here = slice(start, start + len(batch))
-                columns = [_kept(batch[name], name, motion[here], near[here]) for name in schema.names]
+                here = keep[start : start + len(batch)]
+                columns = [_kept(batch[name], name, here) for name in schema.names]
                 yield pa.Table.from_arrays(columns, schema=schema)
                 start += len(batch)
 
@@ -49,28 +49,25 @@ def thin(collected: Path, target: Path, costs: pd.DataFrame, gaits: int, dearer:
     return target
 
 
-def _kept(column: pa.Array, name: str, motion: Mask, near: Mask) -> pa.Array:
-    """A column of a batch, with nulls in the rows that are to lose it."""
+def _kept(column: pa.Array, name: str, keep: Mask) -> pa.Array:
+    """A column of a batch; of a motion's, with nulls in the rows that are not to keep it."""
     if name not in HEAVY:
         return column
-    kept = near if name in MULTIPLIERS else motion
-    column = column.take(pa.array(np.arange(len(column)), mask=~kept))
-    if name in MULTIPLIERS:
-        column = column.cast(pa.list_(pa.float32())).cast(column.type)
-    return column
+    column = column.take(pa.array(np.arange(len(column)), mask=~keep))
+    return column.cast(pa.list_(pa.float32())).cast(column.type) if name in MULTIPLIERS else column
 
 
-def _worth_keeping(rows: pd.DataFrame, costs: pd.DataFrame, gaits: int, dearer: float) -> tuple[Mask, Mask]:
-    """Which rows [n] are of their task's cheapest gaits; which of these are nearly as cheap as the best."""
+def _worth_keeping(rows: pd.DataFrame, costs: pd.DataFrame, gaits: int) -> Mask:
+    """Which rows [n] are the cheapest solve of the pattern of one of their task's `gaits` cheapest gaits."""
     task = task_columns(rows.columns)
     key = [*task, "pattern"]
-    chosen = costs.sort_values([*task, "excess"], kind="stable").groupby(task).head(gaits)
-    excess = {tuple(row[:-1]): row[-1] for row in chosen[[*key, "excess"]].itertuples(index=False)}
+    first = costs.sort_values([*task, "excess"], kind="stable").groupby(task).head(gaits)
+    chosen = set(first[key].itertuples(index=False, name=None))
     solved = rows[rows["status"] == "solved"].sort_values(["cost", *row_order(rows.columns)], kind="stable")
     best = solved.drop_duplicates(key)
-    found = {
-        index: excess.get(tuple(row), np.inf)
-        for index, row in zip(best.index, best[key].itertuples(index=False), strict=True)
-    }
-    kept = np.array([found.get(index, np.inf) for index in rows.index])
-    return np.isfinite(kept), kept <= dearer
+    kept = [
+        index
+        for index, row in zip(best.index, best[key].itertuples(index=False, name=None), strict=True)
+        if row in chosen
+    ]
+    return np.asarray(rows.index.isin(kept), dtype=bool)

@@ -26,8 +26,7 @@ LABELS = "labels.parquet"
 GAIT_COSTS = "gait_costs.parquet"
 FILES = (FILE_NAME, LABELS, GAIT_COSTS, CARD)  # every file but the manifest
 FORMAT = 1
-KEPT_GAITS = 3  # cheapest gaits of a task that keep their trajectory
-KEPT_DEARER = 0.15  # of these, the ones at most this share dearer than the best keep their multipliers
+KEPT_GAITS, KEPT_DEARER = 3, 0.15  # motions are kept of so many gaits of a task, as long as they are no dearer
 MAX_MANIFEST_BYTES = 1_000_000
 
 
@@ -134,9 +133,9 @@ def _card(version: str, record: Mapping[str, Any], labels: pd.DataFrame) -> str:
 | `{LABELS}` | one task: its best gait, the margin, how sure it is, and how good its motion is between the knots |
 | `{GAIT_COSTS}` | one gait at one task: its least cost |
 
-Motions are kept for each of a task's {KEPT_GAITS} cheapest gaits, in the pattern that `{GAIT_COSTS}` names; for those
-of them that are at most {KEPT_DEARER:.0%} dearer than the best also multipliers, rounded to single precision. All other
-rows have nulls there. Scenario, code version, package versions and processor are in the Parquet metadata under
+Those of a task's {KEPT_GAITS} cheapest gaits that are at most {KEPT_DEARER:.0%} dearer than the best keep their motion,
+in the pattern that `{GAIT_COSTS}` names, with multipliers in single precision; all other rows have nulls there.
+Scenario, code version, package versions and processor are in the Parquet metadata under
 `gaitflow`; the columns are explained in `docs/data-format.md`.
 
 | tasks | gait | wins |
