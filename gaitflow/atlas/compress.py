@@ -18,7 +18,8 @@ from gaitflow.atlas.node import BARRIER
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, Sheet
 
-LARGEST = {2: 2_700_000, 3: 6_500_000}  # bytes of an atlas, in the plane and in space
+LARGEST = {2: 2_700_000, 3: 6_500_000}  # bytes of an atlas of two axes, in the plane and in space
+FURTHER_AXIS = 3  # times as many, for each axis beyond two
 MOST_MODES = 128  # of a pattern
 NAMES = 2000  # bytes of the names and shapes of a pattern's arrays
 # What an error of a prediction counts: Newton's method finds the multipliers of rows by itself in its first step, and a
@@ -37,8 +38,9 @@ def build_atlas(growth: Growth, gaits: Sequence[int], largest: int | None = None
     """
     numbers = [number for number, nodes in enumerate(growth.nodes) if nodes]
     sheets = [_analysed(growth, number) for number in numbers]
-    dimension = growth.problem.layout.dimension
-    counts = _mode_counts(sheets, LARGEST[dimension] if largest is None else largest)
+    if largest is None:
+        largest = LARGEST[growth.problem.layout.dimension] * FURTHER_AXIS ** max(len(growth.domain.axes) - 2, 0)
+    counts = _mode_counts(sheets, largest)
     built = tuple(
         _sheet(growth, number, gaits[number], sheet, count)
         for number, sheet, count in zip(numbers, sheets, counts, strict=True)
