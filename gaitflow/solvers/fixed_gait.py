@@ -24,7 +24,7 @@ from gaitflow.core.trajectory import Array, Trajectory
 from gaitflow.problem import GaitProblem
 from gaitflow.solvers.interior_point import InteriorPoint, Outcome
 from gaitflow.solvers.ipopt import call_solver, make_ipopt
-from gaitflow.solvers.options import CONVERGED, IPOPT, IPOPT_WARM
+from gaitflow.solvers.options import CONVERGED, IPOPT
 from gaitflow.solvers.point import GaitSpace, Multipliers, Point
 from gaitflow.solvers.program import Program
 
@@ -32,7 +32,7 @@ __all__ = ["Attempt", "FixedGaitSolver", "Method", "Multipliers", "Start"]
 
 Method = Literal["interior_point", "ipopt"]
 
-KEPT = 300  # patterns whose matrix stays in memory, at 1 MB in the plane and 10 MB in space
+KEPT = 6_000_000  # derivatives in the matrices that stay in memory, of the patterns used last: about 400 MB
 COLD_BARRIER, WARM_BARRIER = 0.1, 1e-3  # of a start without and with multipliers
 COLD_LIMIT, WARM_LIMIT = 60, 40  # iterations
 OTHER_UNITS = (1 / 30, 30.0)  # what a cost may be instead of what was expected
@@ -93,12 +93,8 @@ class FixedGaitSolver:
         return Program(self.problem.nlp)
 
     @cached_property
-    def _cold(self) -> ca.Function:
+    def _ipopt(self) -> ca.Function:
         return make_ipopt(self.problem.nlp, IPOPT | {"max_cpu_time": self._limit})
-
-    @cached_property
-    def _warm(self) -> ca.Function:
-        return make_ipopt(self.problem.nlp, IPOPT_WARM | {"max_cpu_time": self._limit})
 
     def solve(self, pattern: Pattern, task: Task, start: Start, fallback: bool = True) -> Attempt:
         """One solve from one start. An exception is a failed attempt.
@@ -109,7 +105,7 @@ class FixedGaitSolver:
         answer = self._interior_point(pattern, task, start)
         attempt = self._judged(pattern, task, start, answer, wall, cpu)
         if fallback and start.multipliers is None and attempt.gave_up:
-            spent, answer = answer.iterations, self._ipopt(pattern, task, start)
+            spent, answer = answer.iterations, self._by_ipopt(pattern, task, start.w)
             attempt = self._judged(pattern, task, start, answer, wall, cpu, spent)
         return attempt
 
@@ -118,7 +114,8 @@ class FixedGaitSolver:
         if pattern in self._methods:
             self._methods.move_to_end(pattern)
             return self._methods[pattern]
-        if len(self._methods) >= KEPT:
+        each = len(self._program.hessian) + len(self._program.jacobian)
+        if self._methods and (len(self._methods) + 1) * each > KEPT:
             self._methods.popitem(last=False)
         bounds = self.problem.bounds(pattern)
         space = GaitSpace(bounds.lower, bounds.upper, bounds.lower_rows, bounds.upper_rows)
@@ -164,20 +161,17 @@ class FixedGaitSolver:
         _, bounds, rows = space.join(outcome.point, unit)
         return _Answer("interior_point", outcome.ending, outcome.cost, iterations, outcome.w, Multipliers(bounds, rows))
 
-    def _ipopt(self, pattern: Pattern, task: Task, start: Start) -> _Answer:
-        solver = self._cold if start.multipliers is None else self._warm
+    def _by_ipopt(self, pattern: Pattern, task: Task, w: Array) -> _Answer:
         bounds = self.problem.bounds(pattern)
         arguments: dict[str, Any] = {
-            "x0": start.w,
+            "x0": w,
             "p": task.parameters,
             "lbx": bounds.lower,
             "ubx": bounds.upper,
             "lbg": bounds.lower_rows,
             "ubg": bounds.upper_rows,
         }
-        if start.multipliers is not None:
-            arguments |= {"lam_x0": start.multipliers.bounds, "lam_g0": start.multipliers.rows}
-        status, iterations, result = call_solver(solver, arguments)
+        status, iterations, result = call_solver(self._ipopt, arguments)
         multipliers = Multipliers(result["lam_x"], result["lam_g"])
         return _Answer("ipopt", status, float(result["f"][0]), iterations, result["x"], multipliers)
 

@@ -16,6 +16,7 @@ from gaitflow.search import starts
 from gaitflow.solvers import fixed_gait
 from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, Start
 from gaitflow.solvers.interior_point import InteriorPoint, Outcome
+from gaitflow.solvers.program import Program
 
 GALLOP, TASK = Pattern.from_text("0110/1100"), at(0.9, 0.6)
 # (pattern, v, T): iterations from the nominal start, and at v + 0.1 from that solution, primal and dual; the cost.
@@ -68,7 +69,7 @@ def test_an_attempt_tells_what_was_found(full: FixedGaitSolver, effort: Scenario
     assert attempt.cpu_s > 0 and attempt.wall_s > 0
 
 
-def test_multipliers_balance_the_gradient(solver: FixedGaitSolver, problem: GaitProblem, program: object) -> None:
+def test_multipliers_balance_the_gradient(solver: FixedGaitSolver, problem: GaitProblem) -> None:
     """CasADi's signs: gradient + J^T rows + bounds = 0 on every variable that is not fixed."""
     attempt = solver.solve(GALLOP, TASK, nominal(problem, TASK))
     w, task, multipliers = ca.SX.sym("w", problem.layout.nw), TASK.parameters, attempt.multipliers
@@ -203,8 +204,10 @@ def test_phases_that_just_fill_the_cycle_can_be_solved(effort: Scenario, solve: 
     np.testing.assert_allclose(attempt.trajectory.durations, 0.12, rtol=1e-6)
 
 
-def test_the_least_used_pattern_is_forgotten(problem: GaitProblem, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fixed_gait, "KEPT", 2)
+def test_the_least_used_pattern_is_forgotten(
+    problem: GaitProblem, program: Program, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fixed_gait, "KEPT", 2 * (len(program.hessian) + len(program.jacobian)))
     solver = FixedGaitSolver(problem, 20.0)
     one, two, three = (Pattern.from_text(text) for text in ("0110/1100", "0111/1101", "0001/0100"))
     first, second = solver.method(one), solver.method(two)
