@@ -30,16 +30,21 @@ def seed_of(*parts: object) -> int:
     return int.from_bytes(hashlib.sha256(repr(parts).encode()).digest()[:8], "big")
 
 
+def neighbouring(solved: Attempt | None) -> Start | None:
+    """The start, primal and dual, from a pattern's solution at the task before; None without a feasible one."""
+    return Start("neighbour", solved.w, solved.multipliers) if solved is not None and solved.feasible else None
+
+
 def until_feasible(
-    solver: FixedGaitSolver, pattern: Pattern, task: Task, neighbour: Attempt | None, restarts: int
+    solver: FixedGaitSolver, pattern: Pattern, task: Task, first: Start | None, restarts: int
 ) -> list[Attempt]:
-    """Attempts up to the first feasible one: from the neighbour's solution, nominal, from `restarts` random points.
+    """Attempts up to the first feasible one: from the start given, nominal, from `restarts` random points.
 
     Random starts are taken while the last one led to no verdict: where the solver found that rows cannot be met, a
     random start never helped, see DESIGN.md.
     """
     attempts: list[Attempt] = []
-    for start in _starts(solver, pattern, task, neighbour, restarts):
+    for start in _starts(solver, pattern, task, first, restarts):
         if start.name.startswith("random") and not attempts[-1].gave_up:
             break
         attempts.append(solver.solve(pattern, task, start))
@@ -59,17 +64,18 @@ def leaders(scenario: Scenario, task: Task, attempts: Mapping[Pattern, Sequence[
 
 
 def recheck(solver: FixedGaitSolver, pattern: Pattern, task: Task, done: Sequence[Attempt]) -> list[Attempt]:
-    """Attempts in other basins: from the nominal start if it was not tried, and from one random start."""
+    """An attempt in another basin: from the nominal start, or where that was tried from a random one."""
     tried = {attempt.start for attempt in done}
     chosen = [_nominal(solver, task), _random(solver, pattern, task, 0)]
-    return [solver.solve(pattern, task, start, fallback=False) for start in chosen if start.name not in tried]
+    untried = [start for start in chosen if start.name not in tried]
+    return [solver.solve(pattern, task, start) for start in untried[:1]]
 
 
 def _starts(
-    solver: FixedGaitSolver, pattern: Pattern, task: Task, neighbour: Attempt | None, restarts: int
+    solver: FixedGaitSolver, pattern: Pattern, task: Task, first: Start | None, restarts: int
 ) -> Iterator[Start]:
-    if neighbour is not None:
-        yield Start("neighbour", neighbour.w, neighbour.multipliers)
+    if first is not None:
+        yield first
     yield _nominal(solver, task)
     for number in range(restarts):
         yield _random(solver, pattern, task, number)

@@ -3,7 +3,7 @@
 Where the paper restarts a MINLP, we try all canonical patterns: in the plane 36 with one stance per leg, in space
 2,628, and about half as many where time can run backwards. A chain of neighbouring tasks is solved in order, so that a
 pattern starts, primal and dual, from its solution at the task before. The best few gaits of a task are then solved
-again from other starts.
+again from another start.
 
 A search can be cut into parts, and an incumbent's cost, known from elsewhere, rules out what costs more for certain:
 what then remains to be solved is a certificate that the incumbent is the best, or finds what is better.
@@ -19,7 +19,7 @@ from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern, all_patterns
 from gaitflow.core.task import Task
 from gaitflow.problem import transcribe
-from gaitflow.search.attempts import best_of, leaders, recheck, until_feasible
+from gaitflow.search.attempts import best_of, leaders, neighbouring, recheck, until_feasible
 from gaitflow.search.bound import ruled_out
 from gaitflow.search.refine import Refinement
 from gaitflow.search.rows import solution, unsolved
@@ -83,4 +83,4 @@ class _Chain:
     def _try(self, pattern: Pattern, task: Task) -> list[Attempt]:
         # A pattern that just failed at the neighbour is not worth random starts here.
         restarts = 0 if pattern in self._failed else self._scenario.strategy.restarts
-        return until_feasible(self._solver, pattern, task, self._solved.get(pattern), restarts)
+        return until_feasible(self._solver, pattern, task, neighbouring(self._solved.get(pattern)), restarts)

@@ -21,7 +21,7 @@ from gaitflow.core.layout import Layout
 from gaitflow.core.mesh_error import error_left
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array, Trajectory
-from gaitflow.problem import transcribe
+from gaitflow.problem import GaitProblem, transcribe
 from gaitflow.search.solution import Solution
 from gaitflow.solvers.fixed_gait import FixedGaitSolver, Multipliers, Start
 
@@ -76,13 +76,11 @@ class Refinement:
         """The row with its cost on a finer mesh; without it when no motion was found there. The effort counts."""
         solver = self._solver(knots)
         assert row.trajectory is not None
-        problem, pattern = solver.problem, Pattern.from_text(row.pattern)
-        w = problem.layout.pack(interpolated(row.trajectory, self._layout, problem.layout), task.cycle_duration)
-        # Multipliers of 0 stand for unknown ones, and keep the solver near its start: in the same local optimum.
-        unknown = Multipliers(np.zeros(problem.layout.nw), np.zeros(problem.ng))
-        attempts = [solver.solve(pattern, task, Start("coarser", w, unknown))]
+        pattern = Pattern.from_text(row.pattern)
+        start = on_other_mesh("coarser", row.trajectory, self._layout, solver.problem, task)
+        attempts = [solver.solve(pattern, task, start)]
         if not attempts[0].feasible:
-            attempts.append(solver.solve(pattern, task, Start("coarser", w)))
+            attempts.append(solver.solve(pattern, task, replace(start, multipliers=None)))
         spent = replace(
             row,
             iterations=row.iterations + sum(attempt.iterations for attempt in attempts),
@@ -99,6 +97,15 @@ class Refinement:
             finer = self._scenario.model_copy(update={"transcription": settings})
             self._solvers[knots] = FixedGaitSolver(transcribe(finer), self._scenario.strategy.solve_time_limit)
         return self._solvers[knots]
+
+
+def on_other_mesh(name: str, motion: Trajectory, given: Layout, problem: GaitProblem, task: Task) -> Start:
+    """The start from a motion of another layout.
+
+    Multipliers of 0 stand for unknown ones: with them the solver stays near its start, in the same local optimum.
+    """
+    w = problem.layout.pack(interpolated(motion, given, problem.layout), task.cycle_duration)
+    return Start(name, w, Multipliers(np.zeros(problem.layout.nw), np.zeros(problem.ng)))
 
 
 def interpolated(motion: Trajectory, given: Layout, wanted: Layout) -> Trajectory:

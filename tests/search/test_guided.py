@@ -7,12 +7,12 @@ from typing import Any
 import pytest
 from tasks_at import at
 
-from gaitflow.config.scenario import Scenario, Strategy, Transcription
+from gaitflow.config.scenario import Objective, Scenario, Strategy, Transcription
 from gaitflow.core.check import FEASIBLE, worst
 from gaitflow.core.gaits import Pattern, Symmetry, gait_of
 from gaitflow.core.task import Task
 from gaitflow.search import Solution, solve_tasks
-from gaitflow.search.guided import coarse, halved
+from gaitflow.search.probes import coarse, halved
 from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver
 
 CHAIN = [at(0.4, 0.6), at(0.9, 0.6)]
@@ -24,26 +24,34 @@ def _best(rows: list[Solution], task: Task) -> Solution:
 
 
 @pytest.fixture(scope="module")
-def rows(effort: Scenario) -> list[Solution]:
-    return solve_tasks(effort.model_copy(update={"strategy": GUIDED}), CHAIN)
+def vibration(effort: Scenario) -> Scenario:
+    """J2 with 5 knots a phase, whose costs differ by far more than those of J1."""
+    objective = Objective(tangential_velocity=1e6, normal_velocity=1e6, tilt=1e6, tilt_rate=1e6)
+    settings = Transcription(knots_per_phase=5)
+    return effort.model_copy(update={"objective": objective, "strategy": GUIDED, "transcription": settings})
 
 
-def test_in_the_plane_it_finds_what_the_exhaustive_search_finds(effort: Scenario, rows: list[Solution]) -> None:
-    every = solve_tasks(effort.model_copy(update={"strategy": Strategy(restarts=1)}), CHAIN)
+@pytest.fixture(scope="module")
+def rows(vibration: Scenario) -> list[Solution]:
+    return solve_tasks(vibration, CHAIN)
+
+
+def test_in_the_plane_it_finds_what_the_exhaustive_search_finds(vibration: Scenario, rows: list[Solution]) -> None:
+    every = solve_tasks(vibration.model_copy(update={"strategy": Strategy(restarts=1)}), CHAIN)
     for task in CHAIN:
         ours, best = _best(rows, task), _best(every, task)
         assert ours.cost <= best.cost * (1 + 1e-6)
 
 
-def test_rows_tell_what_was_done_with_each_pattern(effort: Scenario, rows: list[Solution]) -> None:
+def test_rows_tell_what_was_done_with_each_pattern(vibration: Scenario, rows: list[Solution]) -> None:
     assert [(row.task, row.pattern) for row in rows] == sorted({(row.task, row.pattern) for row in rows})
     assert all(row.strategy == "guided" for row in rows)
     counts = Counter(row.status for row in rows)
-    assert counts["solved"] >= 4 and counts["probed"] >= 4
+    assert min(counts["solved"], counts["probed"], counts["screened"]) >= 2
     for row in rows:
         if row.status == "solved":
             assert row.trajectory is not None
-            own = worst(effort.as_data(), row.trajectory, row.task, row.pattern)
+            own = worst(vibration.as_data(), row.trajectory, row.task, row.pattern)
             assert row.violation == own <= FEASIBLE
             assert row.gait == gait_of(Pattern.from_text(row.pattern)).text
         else:
@@ -59,8 +67,8 @@ def test_the_second_task_starts_from_the_first(rows: list[Solution]) -> None:
     assert not any(row.start == "neighbour" for row in rows if row.task == CHAIN[0])
 
 
-def test_it_gives_the_same_again(effort: Scenario, rows: list[Solution]) -> None:
-    again = solve_tasks(effort.model_copy(update={"strategy": GUIDED}), CHAIN)
+def test_it_gives_the_same_again(vibration: Scenario, rows: list[Solution]) -> None:
+    again = solve_tasks(vibration, CHAIN)
     assert [(row.pattern, row.status, row.iterations, repr(row.cost)) for row in again] == [
         (row.pattern, row.status, row.iterations, repr(row.cost)) for row in rows
     ]
