@@ -110,7 +110,9 @@ def draw_side_by_side(euler: LabelledMap, exact: LabelledMap, title: str) -> Fig
             one.spines[side].set_visible(False)
     axes[0].set_ylabel(axis_text.label(y), fontsize=11)
     handles: list[Patch | Line2D] = [Patch(facecolor=colours[name], label=name) for name in names]
-    for told, marker, colour, size in (("label changed", "s", CHANGED, 10), ("gaits tie", "o", INK, 11)):
+    ties = any((each.labels["ties"].map(len) > 1).any() for each in (euler, exact))
+    marks = [("label changed", "s", CHANGED, 10)] + [("gaits tie", "o", INK, 11)] * ties
+    for told, marker, colour, size in marks:
         line = Line2D([], [], linestyle="", marker=marker, color=colour, markersize=size, markerfacecolor="none")
         line.set_label(told)
         handles.append(line)
