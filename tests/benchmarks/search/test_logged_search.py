@@ -33,7 +33,7 @@ def test_the_log_and_the_result_agree(small: Scenario, tmp_path: Path) -> None:
 def test_a_killed_run_leaves_its_log(scenario: Scenario, tmp_path: Path) -> None:
     setup = {"scenario": bonmin(scenario, 60.0).as_data(), "log": str(tmp_path / "log")}
     with Child("benchmarks.search.logged_search:LoggedSearch", setup) as child, pytest.raises(Lost, match="hung"):
-        child.call(2.5, task={"speed": 1.3, "cycle_duration": 0.6}, seed=0)
+        child.call(10.0, task={"speed": 1.3, "cycle_duration": 0.6}, seed=0)
     log = read_log((tmp_path / "log").read_text(encoding="utf-8"))
     assert log.programs > 5
     assert not log.completed
