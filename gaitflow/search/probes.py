@@ -23,15 +23,18 @@ from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver
 COARSENESS = 0.4  # share of the knots in a phase that a probe has, if that is at least LEAST_KNOTS
 LEAST_KNOTS = 3
 EXPANDED = 4  # best patterns whose moves are all tried
-PROMISING = 1.45  # a coarse cost over the best one, up to which a pattern may be the best: a coarse mesh adds 0 to 44 %
-MOST_PROMISING = 15  # patterns
+# A coarse cost over the best one, up to which a pattern may be the best: by Euler's rule a coarse mesh adds 0 to 44 %,
+# by the others, with linear forces on graded knots, at most 7 %.
+PROMISING_BY_EULER, PROMISING = 1.45, 1.25
+LEAST_PROMISING, MOST_PROMISING = 4, 15  # patterns, so that the best one has a runner-up, and that it takes no time
 FEW_PHASES = 5  # from here on the library is too large, and is searched with half as many phases first
 
 
 @dataclass
 class Explored:
-    """What is known of one task's patterns on the coarse mesh."""
+    """What is known of one task's patterns on the coarse mesh; `reach` is the ratio of costs that is promising."""
 
+    reach: float
     probes: dict[Pattern, Attempt] = field(default_factory=dict)
     reasons: dict[Pattern, str] = field(default_factory=dict)  # why others were not solved
     calls: dict[Pattern, list[Attempt]] = field(default_factory=dict)  # all that a probe took
@@ -47,8 +50,9 @@ class Explored:
         feasible = [pattern for pattern in ranked if self.probes[pattern].feasible]
         if not feasible:
             return ranked[:MOST_PROMISING]
-        most = PROMISING * self.probes[feasible[0]].cost
-        return [pattern for pattern in feasible if self.probes[pattern].cost <= most][:MOST_PROMISING]
+        most = self.reach * self.probes[feasible[0]].cost
+        near = sum(self.probes[pattern].cost <= most for pattern in feasible)
+        return feasible[: min(max(near, LEAST_PROMISING), MOST_PROMISING)]
 
 
 def _merit(probe: Attempt) -> tuple[int, float]:
@@ -86,7 +90,8 @@ class Prober:
         self._half = None
         if settings.phases > FEW_PHASES and settings.phases % 2 == 0:
             self._half = Prober(halved(scenario))
-        self._before = Explored()
+        self._reach = PROMISING_BY_EULER if settings.integrator == "euler" else PROMISING
+        self._before = Explored(self._reach)
 
     def explore(
         self,
@@ -101,7 +106,7 @@ class Prober:
         at once, which returns the pattern's cost on the scenario's mesh, infinite without a motion: the earlier a good
         motion is known, the more patterns the bound rules out.
         """
-        explored, symmetry = Explored(), self.scenario.symmetry(task)
+        explored, symmetry = Explored(self._reach), self.scenario.symmetry(task)
         budget, stances = self.scenario.strategy.budget, self.scenario.stances_per_leg
         least = incumbent
 
@@ -117,10 +122,10 @@ class Prober:
                     explored.reasons[pattern] = reason
                     continue
                 found = self._probe(task, pattern, explored)
-                if solve is not None and found.feasible and found.cost * PROMISING < least:
+                if solve is not None and found.feasible and found.cost * self._reach < least:
                     least = min(least, solve(pattern, found))
 
-        probe(representatives([*known, *self._seeds(task, symmetry, explored)], symmetry))
+        probe(representatives([*known, *self._seeds(task, symmetry, explored, incumbent)], symmetry))
         expanded: set[Pattern] = set()
         while len(explored.probes) < budget:
             fresh = [pattern for pattern in explored.ranked()[:EXPANDED] if pattern not in expanded]
@@ -137,7 +142,7 @@ class Prober:
         explored.probes[pattern] = explored.calls[pattern][-1]
         return explored.probes[pattern]
 
-    def _seeds(self, task: Task, symmetry: Symmetry, explored: Explored) -> list[Pattern]:
+    def _seeds(self, task: Task, symmetry: Symmetry, explored: Explored, incumbent: float) -> list[Pattern]:
         """Where the search begins: the gait library, or what half as many phases do best; and two strides a cycle."""
         legs, phases = len(self.scenario.robot.legs), self.scenario.transcription.phases
         others = list[Pattern]()
@@ -147,7 +152,7 @@ class Prober:
                 others += [repeated(pattern) for pattern in library(legs, phases // 2, symmetry)]
         if self._half is None:
             return [*library(legs, phases, symmetry), *others]
-        found = self._half.explore(task, self._half._before.promising())
+        found = self._half.explore(task, self._half._before.promising(), incumbent)
         explored.before += [*found.before, *(call for calls in found.calls.values() for call in calls)]
         return [*(doubled(pattern) for pattern in found.promising()), *others]
 
