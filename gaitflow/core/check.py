@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitflow.core.continuous import between_knots, cost, seen_from_frame, step_gaps, step_shares
+from gaitflow.core.continuous import Motion, between_knots, cost, seen_from_frame, step_gaps, step_shares
 from gaitflow.core.rigid_body import Attitude, RigidBody, moment
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array, Trajectory
@@ -204,7 +204,7 @@ def _momentum_defects(body: RigidBody, trajectory: Trajectory, dt: Array) -> Arr
     """Of the step that is exact in momentum.
 
     The acceleration runs linearly, so velocity and position are polynomials from the start; so is the impulse of moment
-    about the origin. The angles' rates count with their derivatives at both ends.
+    about the origin and, in the plane, the turn. In space the angles' rates count with their derivatives at both ends.
     """
     base, feet = trajectory.base, trajectory.feet
     ends = np.stack([base[:-1], base[1:]])
@@ -214,6 +214,9 @@ def _momentum_defects(body: RigidBody, trajectory: Trajectory, dt: Array) -> Arr
     a0, a1 = body.acceleration(forces)
     rates = attitude.rates(omega)
     second = attitude.accelerations(omega, body.spin(ends, both_feet, forces, attitude))
+    turned = dt / 2 * (rates[0] + rates[1]) + dt**2 / 12 * (second[0] - second[1])
+    if body.dimension == 2:
+        turned = Motion(body, trajectory, dt[:, 0]).planar_turn()
     path = dt * position[0] + dt**2 / 2 * velocity[0] + dt**3 * (a0 / 8 + a1 / 24)
     pressed = moment(both_feet[0], 2 * forces[0] + forces[1]) + moment(both_feet[1], forces[0] + 2 * forces[1])
     impulse = dt / 6 * pressed.sum(axis=-2) + body.mass * moment(path, body.gravity)
@@ -221,7 +224,7 @@ def _momentum_defects(body: RigidBody, trajectory: Trajectory, dt: Array) -> Arr
     return np.concatenate(
         [
             position[1] - position[0] - dt * velocity[0] - dt**2 * (a0 / 3 + a1 / 6),
-            angles[1] - angles[0] - dt / 2 * (rates[0] + rates[1]) - dt**2 / 12 * (second[0] - second[1]),
+            angles[1] - angles[0] - turned,
             velocity[1] - velocity[0] - dt / 2 * (a0 + a1),
             (gained - impulse) / (np.trace(body.inertia) / body.angles),
         ],

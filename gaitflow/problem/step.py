@@ -2,8 +2,9 @@
 
 euler, of the paper (section III.B), and rk4 are explicit; the others treat both ends alike, so a motion run backwards
 is a motion, too. `momentum` is made for this body: with forces linear in time, linear momentum, position and the
-angular momentum about a fixed point are exact polynomials of what is at the two ends, however long the step; only the
-angles are integrated approximately, to fourth order (Hermite-Obreshkov), from their first and second derivatives.
+angular momentum about a fixed point are exact polynomials of what is at the two ends, however long the step. So is the
+pitch in the plane; in space the angles are integrated to fourth order (Hermite-Obreshkov), from their first and second
+derivatives.
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ def hermite_simpson(start: Node, end: Node, h: ca.SX) -> ca.SX:
 
 
 def momentum(start: Node, end: Node, h: ca.SX) -> ca.SX:
-    """Exact linear and angular momentum and position; angles to fourth order.
+    """Exact linear and angular momentum, position, and pitch in the plane; angles in space to fourth order.
 
     A foot that carries a force stands still, so its moment about the origin has the mean p x (f_0 + f_1) / 2; gravity
     acts at the body, whose path is a cubic.
@@ -59,15 +60,29 @@ def momentum(start: Node, end: Node, h: ca.SX) -> ca.SX:
     gained = body.mass * moment(path, body.gravity)
     for foot, first, last in zip(start.feet, start.forces, end.forces, strict=True):
         gained += h / 2 * moment(foot, first + last)
+    turned = _obreshkov(
+        start.angles, end.angles, start.angle_rates, end.angle_rates,
+        start.angle_accelerations, end.angle_accelerations, h,
+    )  # fmt: skip
+    if turned.numel() == 1:
+        turned -= _quartic_turn(start, end, h)
     return ca.vertcat(
         _obreshkov(start.position, end.position, start.velocity, end.velocity, start.acceleration, end.acceleration, h),
-        _obreshkov(
-            start.angles, end.angles, start.angle_rates, end.angle_rates,
-            start.angle_accelerations, end.angle_accelerations, h,
-        ),
+        turned,
         end.velocity - start.velocity - h / 2 * (start.acceleration + end.acceleration),
         (end.angular_momentum - start.angular_momentum - gained) / body.mean_inertia,
-    )  # fmt: skip
+    )
+
+
+def _quartic_turn(start: Node, end: Node, h: ca.SX) -> ca.SX:
+    """What `_obreshkov` lacks of a pitch in the plane [1]: h^5 / 720 times the fourth derivative of its rate.
+
+    The angular momentum about the centre of mass has the fourth derivative -(2 r'' + g) x F', with F the sum of forces;
+    it is constant in a step, as r'' and F run linearly.
+    """
+    mean_acceleration = (end.velocity - start.velocity) / h
+    change = sum(end.forces[1:], end.forces[0]) - sum(start.forces[1:], start.forces[0])
+    return -(h**4) / 720 * moment(2 * mean_acceleration + start.body.gravity, change) / start.body.inertia
 
 
 def _obreshkov(q0: ca.SX, q1: ca.SX, rate0: ca.SX, rate1: ca.SX, second0: ca.SX, second1: ca.SX, h: ca.SX) -> ca.SX:

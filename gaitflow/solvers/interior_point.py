@@ -20,6 +20,7 @@ from gaitflow.solvers.point import GaitSpace, Point
 from gaitflow.solvers.program import Program
 
 ROWS = 5e-7  # largest error of a row, half of what the check allows, which has the last word
+COST = 1e-5  # what the rows' errors change the cost by, at their multipliers, the cost being about 1
 DUAL = 1e-5  # largest error of the gradient, the cost being about 1
 GAP = 3e-6  # complementarity that a run heads for, over all bounds, relative to the cost
 CENTRED = 0.01  # relative deviation from the central path that `centre` leaves
@@ -67,6 +68,7 @@ class _Residual:
     pushes: Array  # [nF + nI] that part
     rows: Array  # [nE + nI]
     products: Array  # complementarity of every bound
+    cost: float  # to first order what it would change by, were the rows met; over its unit
 
     @property
     def dual(self) -> float:
@@ -91,7 +93,7 @@ class _Residual:
 
     def within(self, barrier: float | None) -> bool:
         """A solution, or with a barrier: on the central path at it."""
-        if self.row > ROWS:
+        if self.row > ROWS or self.cost > COST:
             return False
         if barrier is None:
             return self.optimal
@@ -191,13 +193,15 @@ class InteriorPoint:
         to_upper = np.where(above, np.maximum(space.most - values, NEAREST), 1.0)
         gradient = program.gradient[space.free] / unit + self._kkt.transposed_jacobian(point.rows)
         equal = program.rows[space.equal] - space.equal_to
+        rows = np.concatenate([equal, program.rows[space.unequal] - values[free:]])
         return _Residual(
             to_lower=to_lower,
             to_upper=to_upper,
             slope=np.concatenate([gradient, -point.rows[len(space.equal) :]]),
             pushes=point.lower - point.upper,
-            rows=np.concatenate([equal, program.rows[space.unequal] - values[free:]]),
+            rows=rows,
             products=np.concatenate([(point.lower * to_lower)[below], (point.upper * to_upper)[above]]),
+            cost=abs(float(rows @ point.rows)),
         )
 
     def _step(

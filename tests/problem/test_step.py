@@ -37,6 +37,8 @@ def left_over(scenario: Scenario, rule: str, h: float, seed: int, held: bool = F
 ])  # fmt: skip
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_a_rule_leaves_over_what_its_order_says(either: Scenario, rule: str, order: int, seed: int) -> None:
+    if rule == "momentum" and either.robot.dimension == 2:
+        pytest.skip("exact there, see below")
     coarse, fine = (np.abs(left_over(either, rule, h, seed)).max() for h in (0.02, 0.01))
     assert coarse > 1e-10, "it is no exact rule for this body"
     assert np.log2(coarse / fine) == pytest.approx(order + 1, abs=0.6)
@@ -44,12 +46,12 @@ def test_a_rule_leaves_over_what_its_order_says(either: Scenario, rule: str, ord
 
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("h", [0.05, 0.3])
-def test_momentum_is_exact_but_for_the_angles(either: Scenario, h: float, seed: int) -> None:
-    """Position, velocity and angular momentum about the origin, with linear forces and however long the step."""
+def test_momentum_is_exact_but_for_the_angles_in_space(either: Scenario, h: float, seed: int) -> None:
+    """Position, velocity, angular momentum about the origin and a pitch, with linear forces and any step's length."""
     layout = layout_of(either)
     defects = left_over(either, "momentum", h, seed)
-    angles = slice(layout.dimension, layout.dimension + layout.angles)
-    np.testing.assert_allclose(np.delete(defects, np.arange(layout.nb)[angles]), 0.0, atol=2e-8)
+    turning = slice(layout.dimension, layout.dimension + (layout.angles if layout.dimension == 3 else 0))
+    np.testing.assert_allclose(np.delete(defects, np.arange(layout.nb)[turning]), 0.0, atol=2e-8)
 
 
 def test_runge_kutta_is_exact_in_the_plane_under_held_forces(planar: Scenario) -> None:
