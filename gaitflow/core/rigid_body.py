@@ -23,7 +23,7 @@ G = 9.81  # m/s^2
 class RigidBody:
     """A robot's body at a task.
 
-    mass [kg]; weight [N] of the robot on the level, the scale of forces; inertia and its inverse [a, a] kg m^2 in the
+    mass [kg], with what it carries; weight [N] of the robot alone on the level, the scale of forces; inertia and its inverse [a, a] kg m^2 in the
     base frame; gravity [d] m/s^2 in the terrain frame; default_feet [legs, d] m and box [d] m of eq. (5).
     """
 
@@ -45,7 +45,7 @@ class RigidBody:
         gravity[0], gravity[-1] = -G * math.sin(angle), -G * math.cos(angle)
         return cls(
             dimension=d,
-            mass=float(robot["mass"]),
+            mass=float(robot["mass"]) + task["payload"],
             weight=float(robot["mass"]) * G,
             inertia=inertia,
             inverse=np.linalg.inv(inertia),

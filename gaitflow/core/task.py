@@ -57,6 +57,7 @@ AXES: dict[str, Axis] = {
         Axis("cycle_duration", "s", 0.01, 20.0, None, "duration T of a cycle"),
         Axis("slope", "deg", -59.0, 59.0, 0.0, "inclination gamma of the ground, uphill positive", reversed=True),
         Axis("friction", "1", 0.01, 5.0, 0.8, "friction coefficient mu"),
+        Axis("payload", "kg", 0.0, 1e4, 0.0, "mass carried, at the centre of mass"),
     )
 }
 AXIS_NAMES = tuple(AXES)

@@ -30,10 +30,10 @@ class Body:
 
 
 def body_of(robot: Robot, task: TaskParameters) -> Body:
-    """The robot's body on a task's ground: the slope turns gravity, the ground stays at z = 0."""
+    """The robot's body with a task's payload on its ground: the slope turns gravity, the ground stays at z = 0."""
     along, normal = -GRAVITY * ca.sin(task.slope), -GRAVITY * ca.cos(task.slope)
     gravity = ca.vertcat(along, normal) if robot.dimension == 2 else ca.vertcat(along, 0, normal)
-    return Body(ca.SX(robot.mass), ca.DM(np.array(robot.inertia)), gravity)
+    return Body(robot.mass + task["payload"], ca.DM(np.array(robot.inertia)), gravity)
 
 
 @dataclass(frozen=True, eq=False)

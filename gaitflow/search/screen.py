@@ -70,7 +70,8 @@ def demand_of(robot: Robot, task: Task) -> Demand:
     travel = math.hypot(forward, left)
     spread = (abs(forward) + abs(left)) / travel if travel else 1.0
     along = 0.0 if turning else abs(GRAVITY * math.sin(slope) + task["acceleration"])
-    return Demand(robot.mass, task.cycle_duration, travel, spread, turning, GRAVITY * math.cos(slope), along)
+    mass = robot.mass + task["payload"]
+    return Demand(mass, task.cycle_duration, travel, spread, turning, GRAVITY * math.cos(slope), along)
 
 
 def why_impossible(scenario: Scenario, pattern: Pattern, task: Task) -> str | None:

@@ -13,10 +13,12 @@ from terms import with_axes
 from gaitflow.config.scenario import Objective, Scenario, Transcription, load_scenario
 from gaitflow.core import check, twist
 from gaitflow.core.gaits import Pattern
+from gaitflow.core.layout import GRAVITY
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array, Trajectory
 from gaitflow.problem import transcribe
 from gaitflow.search import starts
+from gaitflow.search.screen import NO_STRENGTH, why_impossible
 from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, Start
 
 MOTION = Objective(tangential_velocity=1.0, normal_velocity=1.0, tilt=1.0, tilt_rate=1.0, lateral_foot=1.0)
@@ -215,3 +217,18 @@ def test_patterns_are_merged_only_where_the_task_is_its_own_image(turning: Scena
     level = planar.model_copy(update={"transcription": EXACT})
     assert (level.symmetry(up).reversal, level.symmetry(straight).reversal) == (None, (1, 0))
     assert level.symmetry(straight).mirror is None, "a planar robot has no left and right"
+
+
+@pytest.mark.parametrize("transcription", [EXACT, EULER], ids=["exact", "euler"])
+def test_a_payload_is_carried_like_the_body_itself(planar: Scenario, transcription: Transcription) -> None:
+    """On the spot, on all feet, the least force is half of the weight on each: J1 grows with the mass' square."""
+    carrying = with_axes(planar, speed=RANGE, payload={"start": 0.0, "stop": 20.0, "count": 2})
+    update = {"objective": Objective(force=1.0), "transcription": transcription}
+    standing, mass = Pattern.from_text("1111/1111"), planar.robot.mass
+    for payload in (0.0, mass):
+        task = Task.of({"speed": 0.0, "cycle_duration": 0.6, "payload": payload})
+        expected = 0.6 * ((mass + payload) * GRAVITY) ** 2 / 2
+        assert best(carrying, standing, task, **update).cost == pytest.approx(expected, rel=1e-4)
+    bearable = task.replaced(payload=planar.robot.max_force * 2 / GRAVITY - mass)
+    assert why_impossible(carrying, standing, bearable) is None
+    assert why_impossible(carrying, standing, bearable.replaced(payload=bearable["payload"] * 1.1)) == NO_STRENGTH
