@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import casadi as ca
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from tasks_at import at
 from to_solve import Solve, nominal
 
-from gaitflow.config.scenario import Scenario, Transcription
+from gaitflow.config.scenario import Scenario, Transcription, load_scenario
 from gaitflow.core.check import FEASIBLE, worst
 from gaitflow.core.gaits import Pattern, all_patterns
 from gaitflow.problem import GaitProblem, transcribe
@@ -131,6 +132,20 @@ def test_what_is_found_infeasible_takes_few_iterations_and_no_ipopt(full: FixedG
     attempt = attempted(full, Pattern.from_text("0111/1101"), 6.0, 1.0)
     assert (attempt.method, attempt.solver_status) == ("interior_point", "infeasible")
     assert attempt.iterations <= 30
+
+
+@pytest.mark.parametrize(("text", "speed", "cycle"), [
+    ("0011/1100/1100/0011", 0.687429, 0.934165), ("0011/1110/1110/1001", 1.0, 0.4),
+])  # fmt: skip
+def test_a_gait_at_its_longest_stride_is_not_called_infeasible(
+    checkout: Path, text: str, speed: float, cycle: float
+) -> None:
+    """Its multipliers grow as large as those of rows that cannot be met, but its rows are nearly met by then."""
+    scenario = load_scenario(checkout / "configs/scenarios/anymal-flat-vibration.yaml")
+    coarse = scenario.model_copy(update={"transcription": Transcription(knots_per_phase=4, min_phase_fraction=0.2)})
+    attempt = attempted(FixedGaitSolver(transcribe(coarse), 20.0), Pattern.from_text(text), speed, cycle)
+    assert attempt.feasible and attempt.method == "interior_point"
+    assert attempt.iterations <= 50
 
 
 def test_a_neighbour_that_misleads_proves_nothing(full: FixedGaitSolver) -> None:
