@@ -23,8 +23,9 @@ G = 9.81  # m/s^2
 class RigidBody:
     """A robot's body at a task.
 
-    mass [kg], with what it carries; weight [N] of the robot alone on the level, the scale of forces; inertia and its inverse [a, a] kg m^2 in the
-    base frame; gravity [d] m/s^2 in the terrain frame; default_feet [legs, d] m and box [d] m of eq. (5).
+    mass [kg], with what it carries; weight [N] of the robot alone on the level, the scale of forces; inertia and its
+    inverse [a, a] kg m^2 in the base frame; gravity [d] m/s^2 in the terrain frame; default_feet [legs, d] m and box [d]
+    m of eq. (5).
     """
 
     dimension: int
