@@ -24,8 +24,8 @@ class RigidBody:
     """A robot's body at a task.
 
     mass [kg], with what it carries; weight [N] of the robot alone on the level, the scale of forces; inertia and its
-    inverse [a, a] kg m^2 in the base frame; gravity [d] m/s^2 in the terrain frame; default_feet [legs, d] m and box [d]
-    m of eq. (5).
+    inverse [a, a] kg m^2 in the base frame; gravity [d] m/s^2 in the terrain frame; default_feet [legs, d] m and
+    box [d] m of eq. (5).
     """
 
     dimension: int

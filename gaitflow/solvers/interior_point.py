@@ -33,8 +33,8 @@ SHORT = 0.3  # a step shorter than this leads nowhere near a minimum, and the ne
 # Multipliers of rows without a solution grow without end. Over the cost, those of solved gaits stay below 100 (two in a
 # hundred: 1000); where IPOPT found no motion either they are beyond this after 12 to 25 iterations.
 LARGEST_MULTIPLIER = 2e3
-# A row that large multipliers leave this far off. Near its longest stride a gait with a motion is some 1e-3 off with such
-# multipliers; of patterns without a motion 95 in a hundred were more than 0.08 off in space, 0.16 in the plane.
+# A row that large multipliers leave this far off. Near its longest stride a gait that has a motion is some 1e-3 off
+# then; of patterns without a motion 95 in a hundred were more than 0.08 off in space, 0.16 in the plane.
 UNMET = 2e-2
 EARLY = 10  # iterations in which multipliers only find their size
 
