@@ -11,7 +11,7 @@ from gaitflow.core.gaits import Pattern
 from gaitflow.core.task import Task
 from gaitflow.problem import transcribe
 from gaitflow.search import starts
-from gaitflow.search.refine import interpolated
+from gaitflow.search.resolve import interpolated
 from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, Start
 
 

@@ -21,7 +21,7 @@ from gaitflow.core.task import Task
 from gaitflow.problem import transcribe
 from gaitflow.search.attempts import best_of, leaders, neighbouring, recheck, until_feasible
 from gaitflow.search.bound import ruled_out
-from gaitflow.search.refine import Refinement
+from gaitflow.search.resolve import FinerMeshes
 from gaitflow.search.rows import solution, unsolved
 from gaitflow.search.solution import Solution
 from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver
@@ -56,7 +56,7 @@ class _Chain:
     def __init__(self, scenario: Scenario) -> None:
         self._scenario = scenario
         self._solver = FixedGaitSolver(transcribe(scenario), scenario.strategy.solve_time_limit)
-        self._refinement = None if scenario.strategy.part else Refinement(scenario)
+        self._finer = None if scenario.strategy.part else FinerMeshes(scenario)
         self._solved: dict[Pattern, Attempt] = {}
         self._failed: set[Pattern] = set()
 
@@ -78,7 +78,7 @@ class _Chain:
                 rows.append(solution(scenario, task, pattern, attempts[pattern]))
             else:
                 rows.append(unsolved(scenario, task, pattern, reason))
-        return rows if self._refinement is None else self._refinement.refined(task, rows)
+        return rows if self._finer is None else self._finer.resolved(task, rows)
 
     def _try(self, pattern: Pattern, task: Task) -> list[Attempt]:
         # A pattern that just failed at the neighbour is not worth random starts here.

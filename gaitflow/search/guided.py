@@ -19,7 +19,7 @@ from gaitflow.problem import transcribe
 from gaitflow.search.attempts import best_of, leaders, neighbouring, recheck, until_feasible
 from gaitflow.search.exhaustive import RECHECKED_GAITS
 from gaitflow.search.probes import Explored, Prober, representatives
-from gaitflow.search.refine import Refinement, on_other_mesh
+from gaitflow.search.resolve import FinerMeshes, on_other_mesh
 from gaitflow.search.rows import solution, unsolved
 from gaitflow.search.solution import Solution
 from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver
@@ -42,7 +42,7 @@ class _Search:
         self._scenario = scenario
         self._solver = FixedGaitSolver(transcribe(scenario), scenario.strategy.solve_time_limit)
         self._prober = Prober(scenario)
-        self._refinement = Refinement(scenario)
+        self._finer = FinerMeshes(scenario)
         self._solved: dict[Pattern, Attempt] = {}
 
     def solve(self, task: Task) -> list[Solution]:
@@ -64,7 +64,7 @@ class _Search:
         for pattern in leaders(self._scenario, task, attempts, RECHECKED_GAITS):
             attempts[pattern] += recheck(self._solver, pattern, task, attempts[pattern])
         self._solved = {pattern: best for pattern, tried in attempts.items() if (best := best_of(tried)) is not None}
-        return self._refinement.refined(task, self._rows(task, explored, attempts))
+        return self._finer.resolved(task, self._rows(task, explored, attempts))
 
     def _cheapest_before(self, task: Task) -> list[Pattern]:
         """What was solved at the last task, cheapest first."""

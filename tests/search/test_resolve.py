@@ -11,7 +11,7 @@ from gaitflow.config.scenario import Objective, Scenario, Strategy, Transcriptio
 from gaitflow.core.layout import Layout
 from gaitflow.core.task import Task
 from gaitflow.search import Solution, solve_tasks
-from gaitflow.search.refine import Refinement, interpolated
+from gaitflow.search.resolve import FinerMeshes, interpolated
 
 TASK = at(0.9, 0.6)
 
@@ -75,7 +75,7 @@ def test_a_part_of_a_search_has_no_winner_to_refine(exact: Scenario) -> None:
     assert not _refined(solve_tasks(exact.model_copy(update={"strategy": part}), [TASK]))
 
 
-class Planted(Refinement):
+class Planted(FinerMeshes):
     """Costs on finer meshes by pattern and knots instead of solves, no motion without one; and what was asked."""
 
     def __init__(self, scenario: Scenario, costs: dict[tuple[str, int], float]) -> None:
@@ -101,7 +101,7 @@ def three(rows: list[Solution]) -> list[Solution]:
 
 def test_a_margin_beyond_the_errors_ends_it(exact: Scenario, three: list[Solution]) -> None:
     planted = Planted(exact, {("A", 10): 99.5, ("B", 10): 101.5})
-    found = planted.refined(TASK, three)
+    found = planted.resolved(TASK, three)
     assert planted.asked == [("A", 10), ("B", 10)]
     assert [(row.refined_cost, row.refined_knots) for row in found[:2]] == [(99.5, 10), (101.5, 10)]
     assert found[2] == three[2]
@@ -112,13 +112,13 @@ def test_rows_without_a_cost_are_not_in_the_way(exact: Scenario, three: list[Sol
     nothing = [replace(three[0], pattern=f"{n}", status="infeasible", cost=math.nan) for n in range(5)]
     mixed = [nothing[0], three[2], nothing[1], nothing[2], three[1], nothing[3], three[0], nothing[4]]
     planted = Planted(exact, {("A", 10): 99.5, ("B", 10): 101.5})
-    planted.refined(TASK, mixed)
+    planted.resolved(TASK, mixed)
     assert planted.asked == [("A", 10), ("B", 10)]
 
 
 def test_a_tie_ends_it(exact: Scenario, three: list[Solution]) -> None:
     planted = Planted(exact, {("A", 10): 90.0, ("B", 10): 90.05})
-    planted.refined(TASK, three)
+    planted.resolved(TASK, three)
     assert len(planted.asked) == 2
 
 
@@ -128,7 +128,7 @@ def test_errors_beyond_the_margin_ask_a_finer_mesh_and_what_they_may_hide(
     """A's cost falls by 12 %: C, 10 % dearer, might be the cheapest. On 20 knots C falls most, and is 5 % cheaper."""
     costs = {("A", 10): 90.0, ("B", 10): 93.0, ("A", 20): 89.0, ("B", 20): 92.0, ("C", 20): 84.0}
     planted = Planted(exact, costs)
-    found = planted.refined(TASK, three)
+    found = planted.resolved(TASK, three)
     assert planted.asked[:5] == [("A", 10), ("B", 10), ("A", 20), ("B", 20), ("C", 20)]
     assert [row.refined_cost for row in found] == [89.0, 92.0, 84.0]
     # C may still be off by (110 - 84) / 84 / 3 = 10 %: the finest mesh has the last word.
@@ -138,28 +138,28 @@ def test_errors_beyond_the_margin_ask_a_finer_mesh_and_what_they_may_hide(
 def test_a_gait_far_behind_is_not_asked(exact: Scenario, three: list[Solution]) -> None:
     costs = {("A", 10): 97.5, ("B", 10): 98.5, ("A", 20): 97.3, ("B", 20): 98.8}
     planted = Planted(exact, costs)
-    planted.refined(TASK, three)
+    planted.resolved(TASK, three)
     assert planted.asked == list(costs)
 
 
 def test_without_a_motion_on_the_finer_mesh_it_stays_open(exact: Scenario, three: list[Solution]) -> None:
     planted = Planted(exact, {("A", 10): 99.5})
-    found = planted.refined(TASK, three)
+    found = planted.resolved(TASK, three)
     assert planted.asked == [("A", 10), ("B", 10)]
     assert (found[0].refined_knots, found[1].refined_knots) == (10, 0)
 
 
 def test_an_only_gait_is_refined_alone(exact: Scenario, three: list[Solution]) -> None:
     planted = Planted(exact, {("A", 10): 99.5})
-    assert planted.refined(TASK, three[:1])[0].refined_cost == 99.5
+    assert planted.resolved(TASK, three[:1])[0].refined_cost == 99.5
     assert planted.asked == [("A", 10)]
-    assert planted.refined(TASK, []) == []
+    assert planted.resolved(TASK, []) == []
 
 
 @pytest.mark.parametrize(("knots", "meshes"), [(5, (10, 20, 40)), (10, (20, 40, 50)), (20, (40, 50)), (50, ())])
 def test_no_mesh_is_finer_than_allowed(exact: Scenario, knots: int, meshes: tuple[int, ...]) -> None:
     transcription = exact.transcription.model_copy(update={"knots_per_phase": knots})
-    assert Refinement(exact.model_copy(update={"transcription": transcription})).meshes == meshes
+    assert FinerMeshes(exact.model_copy(update={"transcription": transcription})).meshes == meshes
 
 
 def test_a_motion_on_a_finer_mesh_passes_through_its_knots(exact: Scenario, rows: list[Solution]) -> None:

@@ -2,8 +2,8 @@
 
 A cost is off by an error that falls with the knots in a phase, and by another one for every gait. So the cheapest gait
 and the runner-up are solved once more with twice the knots. Where their costs there lie farther apart than what may be
-left of their errors, or closer than TIE, the task is settled; otherwise
-they and every other gait that the error may hide are solved with four times the knots, and at last with MOST_KNOTS.
+left of their errors, or closer than TIE, the task is resolved; otherwise they and every other gait that the error may
+hide are solved with four times the knots, and at last with MOST_KNOTS.
 
 Scenarios with Euler's rule are left as they are: the paper's section III.B takes its 10 knots for granted.
 """
@@ -29,7 +29,7 @@ MOST_KNOTS = 50  # a phase, on the finest mesh
 TIE = 1e-3  # relative cost within which gaits tie, as learning.tie_tolerance is unless a scenario says otherwise
 
 
-class Refinement:
+class FinerMeshes:
     """The solvers of a scenario on its finer meshes, each built when it is first needed."""
 
     def __init__(self, scenario: Scenario) -> None:
@@ -45,7 +45,7 @@ class Refinement:
             return ()
         return tuple(sorted({min(factor * self._knots, MOST_KNOTS) for factor in (2, 4, 8)} - {self._knots}))
 
-    def refined(self, task: Task, rows: Sequence[Solution]) -> list[Solution]:
+    def resolved(self, task: Task, rows: Sequence[Solution]) -> list[Solution]:
         """All the rows of one task, with refined costs where they were needed."""
         result = list(rows)
         places = {row.pattern: place for place, row in enumerate(rows)}
@@ -55,14 +55,14 @@ class Refinement:
             asked = [self.on_mesh(task, row, knots) for row in asked]
             for row in asked:
                 result[places[row.pattern]] = row
-            if len(asked) < 2 or any(row.refined_knots != knots for row in asked) or self._settled(asked):
+            if len(asked) < 2 or any(row.refined_knots != knots for row in asked) or self._resolves(asked):
                 break
             reach = min(row.cost for row in asked) * (1 + max(_gap(row) for row in asked))
             known = {row.pattern for row in asked}
             asked += [row for row in gaits if row.pattern not in known and row.cost <= reach]
         return result
 
-    def _settled(self, rows: Sequence[Solution]) -> bool:
+    def _resolves(self, rows: Sequence[Solution]) -> bool:
         """Whether the finer mesh says which of the rows is cheapest, or that the first two tie.
 
         A unit of work, which has to depend on the search alone, does not know the learning's tolerance: hence TIE.
