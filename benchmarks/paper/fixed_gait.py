@@ -24,7 +24,6 @@ from gaitflow.runtime import GaitMap
 from gaitflow.runtime.manifest import Gait
 from gaitflow.runtime.versions import resolve
 from gaitflow.search import starts
-from gaitflow.search.attempts import seed_of
 from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, Start
 
 METHODS = ("bigm_random", "bounds_random", "bounds_mean", "bounds_mean_dual")
@@ -70,7 +69,7 @@ class FixedGait:
         if method == "bounds_mean":
             start = Start("mean", np.array(self._map.mean_start(gait.name, task.cycle_duration).primal))
         else:
-            rng = np.random.default_rng(seed_of("table1", seed, *task.values))
+            rng = np.random.default_rng(starts.seed_of("table1", seed, *task.values))
             layout = self._big_m.problem.layout
             start = Start(f"random-{seed}", starts.random(self._scenario.robot, layout, task, rng))
         solver = self._big_m if method == "bigm_random" else self._bounds

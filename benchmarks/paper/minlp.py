@@ -12,7 +12,6 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import gaitflow
 from benchmarks import child
 from benchmarks.document import document
 from benchmarks.paper import table
@@ -28,21 +27,17 @@ from gaitflow.core.gaits import Pattern, gait_of
 from gaitflow.core.names import gait_name
 from gaitflow.core.task import Task
 from gaitflow.problem import transcribe
-from gaitflow.store.units import source_digest
+from gaitflow.store.units import SOLVER_SOURCES, package_digest
 
 BUDGET_S = 3600.0  # CPU time of one run by Bonmin's clock, so at least as much wall time
 # Wall time after which a run counts as hung: its clock counts CPU time, and a busy machine may give a sixth of a core.
 HUNG = 6.0  # budgets
 MARGIN_S = 300.0  # for building, the last node and the polish
-# What a run of an hour depends on; our own search may change without it.
+# What a run of an hour depends on: all but our own search and solver, which only polish the pattern that it ends with.
+OUR_OWN = ("search/*.py", "solvers/*.py")
 BONMIN_SOURCES = (
-    "problem/*.py",
-    "search/bonmin.py",
-    "solvers/ipopt.py",
-    "search/starts.py",
-    "core/check.py",
-    "core/rigid_body.py",
-    "core/trajectory.py",
+    *(each for each in SOLVER_SOURCES if each not in OUR_OWN),
+    *("search/bonmin.py", "search/starts.py", "solvers/ipopt.py"),
 )
 NOTES = (
     "minlp: one run by Bonmin from a random start on the big-M form, with the scenario's stance rows; the pattern that "
@@ -79,9 +74,7 @@ def run(scenario: Scenario, tasks: int = 1, seed: int = 0, runs: Path = Path("ru
 
 
 def _bonmin_runs(scenario: Scenario, tasks: Sequence[Task], seed: int, runs: Path) -> list[Row]:
-    package = Path(gaitflow.__file__).parent
-    code = source_digest({str(path): path.read_text("utf-8") for each in BONMIN_SOURCES for path in package.glob(each)})
-    solving = {"budget_s": BUDGET_S, "code": code, "casadi": version("casadi")}
+    solving = {"budget_s": BUDGET_S, "code": package_digest(BONMIN_SOURCES), "casadi": version("casadi")}
     store = RowStore("minlp", scenario, runs, [searching, logged_search], solving=solving)
     keys = [task_key(scenario, task) | {"method": MINLP, "seed": seed} for task in tasks]
     with TemporaryDirectory() as folder:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
@@ -23,11 +22,6 @@ def best_of(attempts: Sequence[Attempt]) -> Attempt | None:
         if attempt.feasible and (best is None or attempt.cost < best.cost - SAME_COST * abs(best.cost)):
             best = attempt
     return best
-
-
-def seed_of(*parts: object) -> int:
-    """A seed that depends on the parts alone, so that a unit solves the same wherever it runs."""
-    return int.from_bytes(hashlib.sha256(repr(parts).encode()).digest()[:8], "big")
 
 
 def neighbouring(solved: Attempt | None) -> Start | None:
@@ -88,6 +82,6 @@ def _nominal(solver: FixedGaitSolver, task: Task) -> Start:
 
 def _random(solver: FixedGaitSolver, pattern: Pattern, task: Task, number: int) -> Start:
     problem = solver.problem
-    seed = seed_of(problem.scenario.strategy.seed, pattern.text, *task.values, number)
+    seed = starts.seed_of(problem.scenario.strategy.seed, pattern.text, *task.values, number)
     drawn = starts.random(problem.scenario.robot, problem.layout, task, np.random.default_rng(seed))
     return Start(f"random-{number}", drawn)

@@ -21,7 +21,6 @@ from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.problem import GaitProblem, transcribe
 from gaitflow.search import starts
-from gaitflow.search.attempts import seed_of
 from gaitflow.search.rows import solution
 from gaitflow.search.solution import Solution
 from gaitflow.solvers.fixed_gait import FixedGaitSolver, Start
@@ -64,7 +63,7 @@ def make_bonmin(problem: GaitProblem, time_limit: float) -> ca.Function:
 
 def _restart(problem: GaitProblem, bonmin: ca.Function, fixed: FixedGaitSolver, task: Task, seed: int) -> Solution:
     scenario, layout = problem.scenario, problem.layout
-    rng = np.random.default_rng(seed_of(seed, *task.values))
+    rng = np.random.default_rng(starts.seed_of(seed, *task.values))
     motion = starts.random(scenario.robot, layout, task, rng)
     bounds = problem.minlp_bounds()
     wall, cpu = time.perf_counter(), time.process_time()

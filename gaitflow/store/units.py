@@ -160,14 +160,18 @@ def solver_version() -> dict[str, str]:
 
     Read once per process: it names the code that was loaded, even when the files change while a run is on.
     """
-    package = Path(gaitflow.__file__).parent
-    files = sorted({path for pattern in SOLVER_SOURCES for path in package.glob(pattern)})
     try:
         casadi = version("casadi")
     except PackageNotFoundError:
         casadi = "none"
-    return {"code": source_digest({str(p.relative_to(package)): p.read_text(encoding="utf-8") for p in files}),
-            "casadi": casadi}  # fmt: skip
+    return {"code": package_digest(SOLVER_SOURCES), "casadi": casadi}
+
+
+def package_digest(patterns: Iterable[str]) -> str:
+    """`source_digest` of the package's own files that match one of the patterns, such as "solvers/*.py"."""
+    package = Path(gaitflow.__file__).parent
+    files = {path for pattern in patterns for path in package.glob(pattern)}
+    return source_digest({str(path.relative_to(package)): path.read_text(encoding="utf-8") for path in files})
 
 
 def source_digest(sources: Mapping[str, str]) -> str:

@@ -14,7 +14,7 @@ from gaitflow.core.check import FEASIBLE, worst
 from gaitflow.core.gaits import Pattern, Symmetry, all_patterns, gait_of
 from gaitflow.core.task import Task
 from gaitflow.search import Solution, solve_tasks
-from gaitflow.search.attempts import best_of, seed_of
+from gaitflow.search.attempts import best_of
 from gaitflow.search.exhaustive import candidate_patterns, solve_chain
 from gaitflow.search.rows import solution
 from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, Start
@@ -175,11 +175,6 @@ def test_a_row_fails_only_when_every_attempt_gave_up(effort: Scenario, solve: So
     assert math.isnan(row.cost) and row.trajectory is None
     row = solution(effort, task, pattern, [stopped, refuted, true])
     assert (row.status, row.start, row.cost, row.solves) == ("solved", "nominal", true.cost, 3)
-
-
-def test_seeds_depend_on_their_parts_alone() -> None:
-    assert seed_of(0, "01/10", 0.5) == seed_of(0, "01/10", 0.5) < 2**64
-    assert len({seed_of(seed, text) for seed in range(10) for text in ("01/10", "10/01")}) == 20
 
 
 def test_one_broken_solve_costs_one_row(small: Scenario, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -48,3 +48,8 @@ def test_random_starts_are_physical(either: Scenario) -> None:
         for kind in ("cycle", "penetration", "unilaterality", "force limit", "foot speed", "tilt", "clock"):
             assert found[kind] < 1e-12, kind
         assert (trajectory.durations > 0).all()
+
+
+def test_seeds_depend_on_their_parts_alone() -> None:
+    assert starts.seed_of(0, "01/10", 0.5) == starts.seed_of(0, "01/10", 0.5) < 2**64
+    assert len({starts.seed_of(seed, text) for seed in range(10) for text in ("01/10", "10/01")}) == 20

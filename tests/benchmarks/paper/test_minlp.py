@@ -5,7 +5,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from loaded_modules import loaded_by
 
+import gaitflow
 from benchmarks.paper import minlp
 from benchmarks.paper.minlp import run
 from benchmarks.search.search import LOST
@@ -79,6 +81,24 @@ def test_another_budget_is_another_run(
     monkeypatch.setattr(minlp, "BUDGET_S", 7200.0)
     assert run(scenario, runs=tmp_path)["rows"][0]["budget_s"] == 7200.0
     assert planted.calls == 3
+
+
+# Of what Bonmin's search loads these decide nothing that takes an hour: files and names, and the polish of its pattern.
+NOT_BONMIN = {
+    "gaitflow", "gaitflow.config", "gaitflow.config.file", "gaitflow.core", "gaitflow.core.errors",
+    "gaitflow.core.names", "gaitflow.search", "gaitflow.search.attempts", "gaitflow.search.rows",
+    "gaitflow.search.solution", "gaitflow.solvers", "gaitflow.solvers.fixed_gait", "gaitflow.solvers.interior_point",
+    "gaitflow.solvers.kkt", "gaitflow.solvers.options", "gaitflow.solvers.paths", "gaitflow.solvers.point",
+    "gaitflow.solvers.program",
+}  # fmt: skip
+
+
+def test_a_run_depends_on_all_that_bonmin_solves_with() -> None:
+    loaded = loaded_by("import gaitflow.search.bonmin")
+    package = Path(gaitflow.__file__).parent
+    covered = {path for pattern in minlp.BONMIN_SOURCES for path in package.glob(pattern)}
+    assert {"gaitflow.core.layout", "gaitflow.core.task", "gaitflow.core.continuous"} <= loaded.keys()
+    assert {name for name, file in loaded.items() if file not in covered} == NOT_BONMIN
 
 
 def test_a_gait_is_called_by_its_name_of_today(
