@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from gaitflow.dataset.provenance import made_by
 from gaitflow.files import atomic_write
+from gaitflow.tables.provenance import made_by
 
 _NAME = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
 

@@ -20,7 +20,7 @@ from typing import Any
 from benchmarks.document import machine, plain
 from gaitflow.config.scenario import Scenario, digest_of
 from gaitflow.files import atomic_write
-from gaitflow.store.units import solver_version, source_digest
+from gaitflow.tables.solver_code import solver_version, source_digest
 
 Row = dict[str, Any]
 

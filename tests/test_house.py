@@ -34,6 +34,7 @@ EXTRAS = {
     "solvers/": ("solve",),
     "search/": ("solve",),
     "config/": ("solve",),
+    "tables/": ("solve", "workflow"),
     "store/": ("solve", "workflow"),
     "dataset/": ("solve", "workflow"),
     "execute/": ("solve", "workflow"),

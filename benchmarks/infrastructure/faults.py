@@ -30,14 +30,14 @@ import pandas as pd
 from benchmarks.infrastructure.grids import with_grid
 from gaitflow.config.scenario import Scenario, load_scenario
 from gaitflow.dataset.collect import collect
-from gaitflow.dataset.provenance import made_by
 from gaitflow.dataset.read import load_solutions
-from gaitflow.dataset.schema import task_columns
 from gaitflow.execute.local import local_client
 from gaitflow.execute.run import run_units
 from gaitflow.store.journal import Entry, read_journal
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import plan_units
+from gaitflow.tables.provenance import made_by
+from gaitflow.tables.schema import task_columns
 
 Fault = Literal["worker", "run"]
 QUIET_S = (0.5, 6.0)

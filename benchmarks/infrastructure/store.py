@@ -24,14 +24,14 @@ from benchmarks.infrastructure.grids import with_grid
 from benchmarks.infrastructure.idle import idle_solutions
 from benchmarks.rows import Row
 from gaitflow.config.scenario import Scenario
-from gaitflow.dataset.provenance import unit_record
-from gaitflow.dataset.schema import solutions_to_table
 from gaitflow.execute.run import run_units
 from gaitflow.store.compact import compact
 from gaitflow.store.known_parts import remember, stamp, validate_changed
 from gaitflow.store.parts import UnitStore
-from gaitflow.store.seal import write_sealed
 from gaitflow.store.units import Unit, plan_units
+from gaitflow.tables.provenance import unit_record
+from gaitflow.tables.seal import write_sealed
+from gaitflow.tables.solutions import solutions_to_table
 
 SIZES = (1_000, 10_000, 100_000)
 STORED_PERCENT = 99
@@ -130,7 +130,7 @@ def _fill(scenario: Scenario, store: UnitStore) -> dict[str, Any]:
     for unit in _stored(plan_units(scenario)):
         table = solutions_to_table(idle_solutions(scenario, unit.tasks), unit.scenario.as_data())
         part = io.BytesIO()
-        write_sealed(part, table.schema, [table], unit_record(unit, {}))
+        write_sealed(part, table.schema, [table], unit_record(unit.digest, unit.as_data(), {}))
         path = store.path(unit.digest)
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(part.getvalue())

@@ -27,7 +27,7 @@ from gaitflow.core.gaits import Pattern, gait_of
 from gaitflow.core.names import gait_name
 from gaitflow.core.task import Task
 from gaitflow.problem import transcribe
-from gaitflow.store.units import SOLVER_SOURCES, package_digest
+from gaitflow.tables.solver_code import SOLVER_SOURCES, package_digest
 
 BUDGET_S = 3600.0  # CPU time of one run by Bonmin's clock, so at least as much wall time
 # Wall time after which a run counts as hung: its clock counts CPU time, and a busy machine may give a sixth of a core.

@@ -14,7 +14,7 @@ import pandas as pd
 from benchmarks.document import document
 from benchmarks.paper import stances
 from gaitflow.config.scenario import Scenario
-from gaitflow.dataset.schema import task_columns
+from gaitflow.tables.schema import task_columns
 
 CHANGED = ("transcription", "stances_per_leg")
 NOTES = (

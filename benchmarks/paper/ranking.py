@@ -20,8 +20,8 @@ from gaitflow.core.gaits import Pattern
 from gaitflow.core.names import gait_kind
 from gaitflow.dataset.labels import gait_costs
 from gaitflow.dataset.read import Solutions
-from gaitflow.dataset.schema import task_columns
 from gaitflow.search.solution import Solution
+from gaitflow.tables.schema import task_columns
 
 SHOWN = 12  # gaits of a task
 NOTES = (

@@ -17,7 +17,7 @@ from benchmarks.document import document
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern
 from gaitflow.dataset.labels import relative_cost
-from gaitflow.dataset.schema import task_columns
+from gaitflow.tables.schema import task_columns
 
 SAME_COST = 1e-6  # relative: the tolerance of a solve
 NOTES = (

@@ -19,12 +19,12 @@ from benchmarks.search.tasks import spread_tasks, task_key, task_of
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.task import Task
 from gaitflow.dataset.labels import gait_costs
-from gaitflow.dataset.schema import scalar_columns, solution_schema
 from gaitflow.execute.local import local_client
 from gaitflow.execute.progress import progress
 from gaitflow.execute.run import run_units
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import Unit, plan_exhaustive
+from gaitflow.tables.schema import scalar_columns, solution_schema
 
 WORKERS = 2
 PARTS = 4  # units that one task is cut into

@@ -13,7 +13,7 @@ from gaitflow.config.scenario import Scenario
 from gaitflow.config.tasks import tasks_of
 from gaitflow.core.gaits import Pattern, Symmetry, gait_of
 from gaitflow.dataset.labels import MAX_VIOLATION
-from gaitflow.dataset.schema import task_columns
+from gaitflow.tables.schema import task_columns
 
 NEARLY_BEST = 0.02  # relative: a gait matters at tasks of the grid where it is at most this much dearer than the best
 

@@ -13,13 +13,13 @@ import pandas as pd
 import pyarrow as pa
 
 from gaitflow.config.scenario import Scenario
-from gaitflow.dataset.provenance import dataset_record
 from gaitflow.dataset.read import FILE_NAME
-from gaitflow.dataset.schema import row_order, scalar_columns, solution_schema
 from gaitflow.files import new_file
 from gaitflow.store.parts import DamagedPart, UnitStore
-from gaitflow.store.seal import write_sealed
 from gaitflow.store.units import Unit, plan_units
+from gaitflow.tables.provenance import dataset_record
+from gaitflow.tables.schema import row_order, scalar_columns, solution_schema
+from gaitflow.tables.seal import write_sealed
 
 ROWS_PER_GROUP = 2000  # rows held in memory at a time
 OPEN_PARTS = 8

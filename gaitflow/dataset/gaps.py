@@ -10,8 +10,8 @@ import pandas as pd
 
 from gaitflow.core.check import between_knots, cost
 from gaitflow.dataset.read import Solutions
-from gaitflow.dataset.schema import task_columns
 from gaitflow.search.solution import Solution
+from gaitflow.tables.schema import task_columns
 
 GAP = "gap_between_knots"  # [m] or [rad]: largest distance from the continuous motion under the same forces
 KINDS = {

@@ -17,8 +17,8 @@ from gaitflow.core.mesh_error import error_left
 from gaitflow.core.names import gait_kind, gait_name
 from gaitflow.core.task import Task
 from gaitflow.dataset.neighbours import neighbourhood_labels
-from gaitflow.dataset.schema import task_columns
 from gaitflow.search.screen import IMPOSSIBLE
+from gaitflow.tables.schema import task_columns
 
 MAX_VIOLATION = 1e-6  # worst scaled constraint violation of a solve that counts
 COSTS = ["gait", "gait_key", "pattern", "cost", "refined_cost", "refined_knots", "excess"]

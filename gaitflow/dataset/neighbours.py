@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
-from gaitflow.dataset.schema import task_columns
+from gaitflow.tables.schema import task_columns
 
 Cell = tuple[int, ...]  # place of a task on the grid: the index of its value on each axis
 

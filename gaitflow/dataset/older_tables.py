@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from gaitflow.dataset.schema import solution_schema
+from gaitflow.tables.schema import solution_schema
 
 ADDED = {"refined_cost": np.nan, "refined_knots": 0}  # columns of today, and what they say of an older solution
 

@@ -15,10 +15,11 @@ from gaitflow.core.legacy import modern_scenario
 from gaitflow.core.task import Split
 from gaitflow.core.trajectory import Array
 from gaitflow.dataset.older_tables import modern_table
-from gaitflow.dataset.provenance import read_record
-from gaitflow.dataset.schema import scalar_columns, table_to_solutions
 from gaitflow.search.solution import Solution
-from gaitflow.store.seal import check_seal
+from gaitflow.tables.provenance import read_record
+from gaitflow.tables.schema import scalar_columns
+from gaitflow.tables.seal import check_seal
+from gaitflow.tables.solutions import table_to_solutions
 
 FILE_NAME = "solutions.parquet"
 MAX_BYTES = 64 << 30  # of all columns when unpacked
@@ -86,7 +87,7 @@ class StoredSolution(Solution):
 class Solutions(Sequence[StoredSolution]):
     """Solutions in the dataset's row order: by split, task (speed fastest), pattern.
 
-    `table` is the Arrow table, `record` where it comes from (scenario, code, versions; see dataset/provenance.py).
+    `table` is the Arrow table, `record` where it comes from (scenario, code, versions; see tables/provenance.py).
     """
 
     def __init__(self, table: pa.Table, record: dict[str, Any]) -> None:

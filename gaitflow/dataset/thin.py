@@ -11,10 +11,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from gaitflow.dataset.provenance import read_record
-from gaitflow.dataset.schema import HEAVY, MULTIPLIERS, row_order, scalar_columns, task_columns
 from gaitflow.files import new_file
-from gaitflow.store.seal import check_seal, write_sealed
+from gaitflow.tables.provenance import read_record
+from gaitflow.tables.schema import HEAVY, MULTIPLIERS, row_order, scalar_columns, task_columns
+from gaitflow.tables.seal import check_seal, write_sealed
 
 COMPRESSION_LEVEL = 15  # of zstd: what is published is written once
 ROWS_AT_ONCE = 2000

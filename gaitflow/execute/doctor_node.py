@@ -18,7 +18,7 @@ from typing import Any
 
 import gaitflow
 from gaitflow.files import publish_once
-from gaitflow.store.units import solver_version
+from gaitflow.tables.solver_code import solver_version
 
 REPORT, QUESTION, ANSWER, TAKEN = "report.json", "question", "answer.json", "taken"
 NEEDED = ("casadi", "gaitflow.execute.drain", "gaitflow.search")  # by the solver and by the worker

@@ -26,7 +26,8 @@ from gaitflow.search.solution import Solution
 from gaitflow.solvers.options import IPOPT, IPOPT_WARM
 from gaitflow.store.journal import Journal
 from gaitflow.store.parts import UnitStore
-from gaitflow.store.units import Unit, solver_version
+from gaitflow.store.units import Unit
+from gaitflow.tables.solver_code import solver_version
 
 SolveTasks = Callable[[Scenario, Sequence[Task], "tuple[int, ...] | None"], list[Solution]]
 SOLVE = "gaitflow.search:solve_tasks"

@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 from sklearn.metrics import f1_score
 
-from gaitflow.dataset.schema import task_columns
 from gaitflow.learn.classifier import Floats, Integers
+from gaitflow.tables.schema import task_columns
 
 RULE = (
     "Judged on cross-validation folds only: the methods whose infeasible-pick rate is within one task of the least; "

@@ -12,8 +12,8 @@ import pandas as pd
 from gaitflow.core.gaits import NO_SYMMETRY, Pattern, Symmetry, gait_of
 from gaitflow.core.trajectory import Array, Trajectory
 from gaitflow.dataset.labels import MAX_VIOLATION
-from gaitflow.dataset.schema import task_columns
 from gaitflow.search.solution import Solution
+from gaitflow.tables.schema import task_columns
 
 TaskKey = tuple[float, ...]  # values on the task columns of the labels
 

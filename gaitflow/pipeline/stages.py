@@ -171,13 +171,13 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None) -> Pu
 
     from gaitflow.atlas.patterns import map_symmetry
     from gaitflow.dataset import load_solutions
-    from gaitflow.dataset.provenance import made_by
     from gaitflow.learn.warmstarts import region_means
     from gaitflow.problem import transcribe
     from gaitflow.publishing import Parts
     from gaitflow.publishing import publish as publish_map
     from gaitflow.publishing.dataset import publish_dataset
     from gaitflow.solvers.options import IPOPT_WARM
+    from gaitflow.tables.provenance import made_by
 
     run = workspace.run(scenario)
     _need(run.learning, f"gaitflow train {scenario.name}")

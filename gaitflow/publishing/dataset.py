@@ -15,12 +15,12 @@ import pandas as pd
 
 from gaitflow.core.errors import ArtifactError
 from gaitflow.dataset.read import FILE_NAME, load_solutions
-from gaitflow.dataset.schema import task_columns
 from gaitflow.dataset.thin import thin
 from gaitflow.publishing.versioned_folder import listed, publish_folder, publish_next
 from gaitflow.runtime.files import CARD, MANIFEST, FileEntry, read_limited
 from gaitflow.runtime.manifest import TIME_FORMAT
 from gaitflow.runtime.versions import versions_in
+from gaitflow.tables.schema import task_columns
 
 LABELS = "labels.parquet"
 GAIT_COSTS = "gait_costs.parquet"

@@ -52,10 +52,10 @@ def published_map(folder: Path) -> LabelledMap | None:
     """The newest published dataset of a scenario; None where there is none."""
     import pyarrow.parquet as pq
 
-    from gaitflow.dataset.provenance import read_record
     from gaitflow.dataset.read import FILE_NAME
     from gaitflow.publishing.dataset import GAIT_COSTS, LABELS
     from gaitflow.runtime.versions import versions_in
+    from gaitflow.tables.provenance import read_record
 
     versions = versions_in(folder)
     if not versions:

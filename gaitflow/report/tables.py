@@ -207,7 +207,7 @@ def learning_table(learning: Mapping[str, Any]) -> Table:
 
 
 def provenance_table(record: Mapping[str, Any]) -> Table:
-    """What made the dataset: `record` is the provenance record of its file (gaitflow.dataset.provenance)."""
+    """What made the dataset: `record` is the provenance record of its file (gaitflow.tables.provenance)."""
     rows = [
         ("scenario digest", record["scenario_digest"]),
         ("units of work", f"{record['units']}, digest {record['units_digest']}"),

@@ -14,11 +14,11 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from gaitflow.dataset.provenance import read_record
 from gaitflow.files import WriteError, sync_folder
 from gaitflow.store.known_parts import remember, remembered, stamp
 from gaitflow.store.pack import Pack, open_pack, write_pack
 from gaitflow.store.parts import DamagedPart, UnitStore
+from gaitflow.tables.provenance import read_record
 
 MAX_PACK_BYTES = 1 << 30
 Part = tuple[str, int]  # digest and length

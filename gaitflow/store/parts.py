@@ -24,14 +24,15 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from gaitflow.config.scenario import digest_of
-from gaitflow.dataset.provenance import read_record, unit_record
-from gaitflow.dataset.schema import schema_difference, solution_schema, solutions_to_table
 from gaitflow.files import TEMPORARY, atomic_write, new_file, publish_once
 from gaitflow.search.solution import Solution
-from gaitflow.store import seal
 from gaitflow.store.attempts import Attempts
 from gaitflow.store.pack import Pack, Packs
 from gaitflow.store.units import Unit
+from gaitflow.tables import seal
+from gaitflow.tables.provenance import read_record, unit_record
+from gaitflow.tables.schema import schema_difference, solution_schema
+from gaitflow.tables.solutions import solutions_to_table
 
 MAX_PART_BYTES = 4 << 30  # of one file, and of its columns when unpacked
 LEFTOVER_AGE_S = 3600.0  # a temporary file this old belongs to a process that was killed
@@ -87,7 +88,7 @@ class UnitStore:
         table = solutions_to_table(solutions, unit.scenario.as_data())
         try:
             with new_file(self.path(unit.digest), replace=False) as file:
-                seal.write_sealed(file, table.schema, [table], unit_record(unit, solver_options))
+                seal.write_sealed(file, table.schema, [table], unit_record(unit.digest, unit.as_data(), solver_options))
         except FileExistsError:
             return False
         return True

@@ -13,11 +13,11 @@ from gaitflow.dataset import load_solutions
 from gaitflow.dataset import thin as module
 from gaitflow.dataset.collect import collect
 from gaitflow.dataset.labels import gait_costs
-from gaitflow.dataset.schema import HEAVY
 from gaitflow.dataset.thin import thin
 from gaitflow.search.solution import Solution
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import Unit
+from gaitflow.tables.schema import HEAVY
 
 Make = Callable[[Unit], list[Solution]]
 

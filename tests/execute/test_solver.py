@@ -16,13 +16,13 @@ import pyarrow.parquet as pq
 import pytest
 
 from gaitflow.config.scenario import Scenario
-from gaitflow.dataset.provenance import read_record
-from gaitflow.dataset.schema import table_to_solutions
 from gaitflow.execute.receipt import Receipt
 from gaitflow.execute.solver import Solver, SolverClosed, longest_unit_s, time_limit
 from gaitflow.store.journal import read_journal, unended
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import Unit, plan_units
+from gaitflow.tables.provenance import read_record
+from gaitflow.tables.solutions import table_to_solutions
 
 made: list[Solver] = []
 

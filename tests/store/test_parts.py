@@ -10,13 +10,13 @@ from concurrent.futures import ThreadPoolExecutor
 import pyarrow.parquet as pq
 import pytest
 
-from gaitflow.dataset.provenance import read_record
-from gaitflow.dataset.schema import solutions_to_table, table_to_solutions
 from gaitflow.files import WriteError
 from gaitflow.search.solution import Solution
 from gaitflow.store.parts import DamagedPart, UnitStore
-from gaitflow.store.seal import write_sealed
 from gaitflow.store.units import Unit
+from gaitflow.tables.provenance import read_record
+from gaitflow.tables.seal import write_sealed
+from gaitflow.tables.solutions import solutions_to_table, table_to_solutions
 
 Make = Callable[[Unit], list[Solution]]
 OPTIONS = {"ipopt": {"tol": 1e-9}}

@@ -11,9 +11,9 @@ from benchmarks.search.tasks import task_of
 from gaitflow.config.scenario import Scenario
 from gaitflow.dataset.labels import gait_costs, label_tasks
 from gaitflow.dataset.read import Solutions
-from gaitflow.dataset.schema import solutions_to_table
 from gaitflow.search import Solution, solve_tasks
 from gaitflow.store.journal import Entry
+from gaitflow.tables.solutions import solutions_to_table
 
 TROT = "0011/1100/1100/0011"
 SPEEDS = (0.5, 0.7, 9.0)

@@ -6,8 +6,8 @@ from tasks_at import at
 from benchmarks.paper import ranking
 from gaitflow.config.scenario import Scenario, Strategy
 from gaitflow.dataset.read import Solutions
-from gaitflow.dataset.schema import solutions_to_table
 from gaitflow.search import Solution, solve_tasks
+from gaitflow.tables.solutions import solutions_to_table
 
 TASK = at(0.4, 0.6)
 TROT, CRAWL = "0111/1101/1101/0111", "0111/1101/1110/1011"

@@ -11,9 +11,10 @@ from benchmarks.search.certificate import compare, summarise
 from gaitflow.config.scenario import Scenario
 from gaitflow.config.tasks import tasks_of
 from gaitflow.dataset.labels import gait_costs, label_tasks
-from gaitflow.dataset.schema import scalar_columns, solutions_to_table
 from gaitflow.search import solve_tasks
 from gaitflow.store.units import plan_exhaustive
+from gaitflow.tables.schema import scalar_columns
+from gaitflow.tables.solutions import solutions_to_table
 
 LABEL = {"speed": 1.0, "cycle_duration": 0.6, "gait": "gallop", "pattern": "0110/1100", "cost": 100.0}
 

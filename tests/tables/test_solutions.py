@@ -11,25 +11,16 @@ import pyarrow.parquet as pq
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from one_leg import one_leg
 
-from gaitflow.config.scenario import Scenario
 from gaitflow.core.layout import Layout
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Trajectory
-from gaitflow.dataset.schema import (
-    MULTIPLIERS,
-    SCALARS,
-    TRAJECTORY,
-    scalar_columns,
-    schema_difference,
-    solution_schema,
-    solutions_to_table,
-    table_to_solutions,
-    task_columns,
-)
 from gaitflow.search.solution import Solution, Status
 from gaitflow.solvers.point import Multipliers
 from gaitflow.store.units import Unit
+from gaitflow.tables.schema import solution_schema
+from gaitflow.tables.solutions import solutions_to_table, table_to_solutions
 
 NUMBER = st.floats(allow_nan=True, allow_infinity=True, width=64)
 COUNT = st.integers(0, 2**62)
@@ -40,24 +31,7 @@ def arrays(*shape: int) -> st.SearchStrategy[np.ndarray]:
     return st.lists(NUMBER, min_size=size, max_size=size).map(lambda xs: np.array(xs, dtype=np.float64).reshape(shape))
 
 
-def small(linear: bool, knots: int = 2) -> dict[str, Any]:
-    """A scenario's JSON data, as much of it as tables look at: one leg in the plane, 2 phases."""
-    return {
-        "name": "small",
-        "robot": {"dimension": 2, "legs": [{"name": "F"}], "mass": 1.0},
-        "transcription": {"phases": 2, "knots_per_phase": knots, "forces": "linear" if linear else "held"},
-        "tasks": {
-            "axes": {
-                "speed": {"start": 0.0, "stop": 1.0, "count": 2},
-                "cycle_duration": 0.5,
-                "slope": {"start": -5.0, "stop": 5.0, "count": 2},
-                "friction": 0.6,
-            }
-        },
-    }
-
-
-HELD, LINEAR = small(linear=False), small(linear=True)
+HELD, LINEAR = one_leg(linear=False), one_leg(linear=True)
 
 
 def motions(scenario: dict[str, Any]) -> st.SearchStrategy[Trajectory]:
@@ -147,25 +121,6 @@ def test_a_slice_of_a_table_gives_its_own_rows(
         assert all(same(a, b) for a, b in zip([*rows[start : start + 2], rows[0]], back, strict=True))
 
 
-def test_columns_shapes_and_units_follow_the_scenario(scenario: Scenario) -> None:
-    schema = solution_schema(scenario.as_data())
-    assert schema.field("base").metadata[b"shape"] == b"9,6"
-    assert schema.field("forces").metadata == {b"unit": b"N", b"shape": b"8,2,2", b"axes": b"step,leg,coordinate"}
-    assert schema.field("end_forces").metadata[b"shape"] == b"4,2,2"
-    assert schema.names == ["speed", "cycle_duration", *SCALARS, *TRAJECTORY, *MULTIPLIERS]
-    assert {field.name for field in dataclasses.fields(Solution)} - set(SCALARS) == {
-        "task", "trajectory", "multipliers",
-    }  # fmt: skip
-
-
-def test_an_axis_with_a_range_has_a_column_and_held_forces_have_no_end() -> None:
-    schema = solution_schema(HELD)
-    assert task_columns(schema.names) == ["speed", "cycle_duration", "slope", "split"]
-    assert scalar_columns(schema.names) == ["speed", "cycle_duration", "slope", *SCALARS]
-    assert schema.field("slope").metadata == {b"unit": b"deg"}
-    assert "end_forces" not in schema.names
-
-
 def test_an_array_of_another_shape_is_refused_by_name(
     units: tuple[Unit, ...], make_solutions: Callable[[Unit], list[Solution]]
 ) -> None:
@@ -192,7 +147,4 @@ def test_tables_of_others_are_refused() -> None:
     with pytest.raises(ValueError, match="with the shape ''"):
         list(table_to_solutions(solutions_to_table([], HELD).cast(bare), HELD))
     with pytest.raises(ValueError, match=r"column times is .* expected the shape \(7,\)"):
-        list(table_to_solutions(solutions_to_table([], HELD), small(linear=False, knots=3)))
-    assert "column times" in (schema_difference(bare, schema) or "")
-    assert schema_difference(schema.remove(0), schema) == "columns differ: speed"
-    assert schema_difference(schema, schema) is None
+        list(table_to_solutions(solutions_to_table([], HELD), one_leg(linear=False, knots=3)))

@@ -17,7 +17,7 @@ from typing import Any
 
 import gaitflow
 from gaitflow.config.scenario import Scenario, digest_of
-from gaitflow.store.units import Unit, solver_version
+from gaitflow.tables.solver_code import solver_version
 
 KEY = b"gaitflow"
 FORMAT = 2  # 1: tasks were two columns, and the scenario had a terrain
@@ -25,13 +25,13 @@ READ = (1, 2)
 PACKAGES = ("casadi", "qdldl", "numpy", "pyarrow", "pydantic")
 
 
-def unit_record(unit: Unit, solver_options: Mapping[str, Any]) -> dict[str, Any]:
-    """Record of one part of the store: the unit (its JSON is complete), who solved it, and how."""
+def unit_record(digest: str, unit: Mapping[str, Any], solver_options: Mapping[str, Any]) -> dict[str, Any]:
+    """Record of one part of the store: the unit's digest and its whole JSON data, who solved it, and how."""
     return {
         "format": FORMAT,
         "kind": "unit",
-        "unit_digest": unit.digest,
-        "unit": unit.as_data(),
+        "unit_digest": digest,
+        "unit": dict(unit),
         "solver_options": dict(solver_options),
         "made_by": made_by(),
         "created": _now(),

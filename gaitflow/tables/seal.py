@@ -16,7 +16,7 @@ from typing import Any, BinaryIO
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from gaitflow.dataset.provenance import KEY as RECORD
+from gaitflow.tables.provenance import KEY as RECORD
 
 KEY = "gaitflow.seal"
 MARK = "gaitflow-sha256:"

@@ -5,7 +5,7 @@ from pathlib import Path
 import pyarrow as pa
 import pytest
 
-from gaitflow.store.seal import BrokenSeal, check_seal, write_sealed
+from gaitflow.tables.seal import BrokenSeal, check_seal, write_sealed
 
 
 @pytest.fixture
