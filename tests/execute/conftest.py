@@ -9,36 +9,18 @@ from pathlib import Path
 
 import pytest
 from distributed import Client
+from small_units import quickstart, store, units
 
-from gaitflow.config.scenario import Scenario, load_scenario
+from gaitflow.config.scenario import Scenario
 from gaitflow.execute.local import local_client
-from gaitflow.store.parts import UnitStore
-from gaitflow.store.units import Unit, plan_units
+
+__all__ = ["store", "units"]
 
 
 @pytest.fixture(scope="session")
 def scenario(checkout: Path) -> Scenario:
     """Quickstart with 2 speeds, 2 durations and 2 held-out tasks, one task a unit."""
-    data = load_scenario(checkout / "configs/scenarios/quickstart.yaml").as_data()
-    data["tasks"] = {
-        "axes": {
-            "speed": {"start": 0.1, "stop": 1.1, "count": 2},
-            "cycle_duration": {"start": 0.4, "stop": 0.8, "count": 2},
-        },
-        "held_out": 2,
-    }
-    data["strategy"]["tasks_per_unit"] = 1
-    return Scenario.from_data(data, "test")
-
-
-@pytest.fixture(scope="session")
-def units(scenario: Scenario) -> tuple[Unit, ...]:
-    return plan_units(scenario)
-
-
-@pytest.fixture
-def store(tmp_path: Path) -> UnitStore:
-    return UnitStore(tmp_path / "runs" / "test")
+    return quickstart(checkout, speeds=(0.1, 1.1, 2), cycles=(0.4, 0.8, 2), held_out=2, tasks_per_unit=1)
 
 
 @pytest.fixture(scope="session", autouse=True)

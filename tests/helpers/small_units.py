@@ -19,22 +19,24 @@ from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import Unit, plan_units
 
 PATTERNS = ("0110/1100", "0011/1001", "0101/0101")
+Span = tuple[float, float, int]  # start, stop, count
+
+
+def quickstart(checkout: Path, speeds: Span, cycles: Span, held_out: int, tasks_per_unit: int) -> Scenario:
+    """The quickstart's scenario on a small grid."""
+    data = load_scenario(checkout / "configs/scenarios/quickstart.yaml").as_data()
+    spans = {"speed": speeds, "cycle_duration": cycles}
+    axes = {axis: dict(zip(("start", "stop", "count"), span, strict=True)) for axis, span in spans.items()}
+    data["tasks"] = {"axes": axes, "held_out": held_out}
+    data["strategy"]["tasks_per_unit"] = tasks_per_unit
+    return Scenario.from_data(data, "test")
 
 
 @pytest.fixture(scope="session")
 def scenario(checkout: Path) -> Scenario:
     """Quickstart with 3 speeds, 2 durations, 3 held-out tasks, chains of 2 tasks and 2 knots a phase."""
-    data = load_scenario(checkout / "configs/scenarios/quickstart.yaml").as_data()
-    data["transcription"]["knots_per_phase"] = 2
-    data["tasks"] = {
-        "axes": {
-            "speed": {"start": 0.1, "stop": 2.1, "count": 3},
-            "cycle_duration": {"start": 0.4, "stop": 1.2, "count": 2},
-        },
-        "held_out": 3,
-    }
-    data["strategy"]["tasks_per_unit"] = 2
-    return Scenario.from_data(data, "test")
+    small = quickstart(checkout, speeds=(0.1, 2.1, 3), cycles=(0.4, 1.2, 2), held_out=3, tasks_per_unit=2)
+    return small.model_copy(update={"transcription": small.transcription.model_copy(update={"knots_per_phase": 2})})
 
 
 @pytest.fixture(scope="session")

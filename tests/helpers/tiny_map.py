@@ -31,6 +31,7 @@ from gaitflow.runtime.files import ATLAS, CARD, CLASSIFIER, MANIFEST, PROBLEM_CH
 from gaitflow.runtime.manifest import FORMAT, encode
 from gaitflow.runtime.problem_check import problem_check_bytes, record
 from gaitflow.runtime.tensors import GaitTensors, tensor_bytes
+from gaitflow.search.rows import solution
 from gaitflow.search.solution import Solution
 from gaitflow.search.starts import nominal
 from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, Start
@@ -119,24 +120,7 @@ def solved_start(gait: str) -> Solved:
 
 def solution_of(pattern: str, task: Task, attempt: Attempt) -> Solution:
     """A solve as the dataset's row."""
-    return Solution(
-        task=task,
-        pattern=pattern,
-        gait=gait_of(Pattern.from_text(pattern)).text,
-        strategy="patterns",
-        start="nominal",
-        seed=0,
-        status="solved",
-        solver_status=attempt.solver_status,
-        cost=attempt.cost,
-        violation=attempt.violation,
-        iterations=attempt.iterations,
-        solves=1,
-        wall_s=attempt.wall_s,
-        cpu_s=attempt.cpu_s,
-        trajectory=attempt.trajectory,
-        multipliers=attempt.multipliers,
-    )
+    return solution(tiny_problem().scenario, task, Pattern.from_text(pattern), [attempt])
 
 
 def tiny_domain() -> Domain:

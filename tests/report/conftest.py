@@ -21,6 +21,7 @@ from gaitflow.core.trajectory import Trajectory
 from gaitflow.dataset import Solutions, load_solutions
 from gaitflow.problem import transcribe
 from gaitflow.search import starts as guess
+from gaitflow.search.rows import solution as row_of
 from gaitflow.search.solution import Solution
 from gaitflow.solvers.fixed_gait import FixedGaitSolver, Start
 
@@ -198,23 +199,7 @@ def solved(anymal: Scenario):
         start = Start("nominal", guess.nominal(anymal.robot, solver.problem.layout, task))
         attempt = solver.solve(Pattern.from_text(pattern), task, start)
         assert attempt.feasible, attempt.solver_status
-        return Solution(
-            task=task,
-            pattern=pattern,
-            gait=gait_of(Pattern.from_text(pattern), anymal.symmetry(task)).text,
-            strategy="patterns",
-            start="nominal",
-            seed=0,
-            status="solved",
-            solver_status=attempt.solver_status,
-            cost=attempt.cost,
-            violation=attempt.violation,
-            iterations=attempt.iterations,
-            solves=1,
-            wall_s=attempt.wall_s,
-            cpu_s=attempt.cpu_s,
-            trajectory=attempt.trajectory,
-        )
+        return row_of(anymal, task, Pattern.from_text(pattern), [attempt])
 
     return solve
 
