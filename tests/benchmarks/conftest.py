@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from planted_child import PlantedChild
 from tiny_map import parts, pristine, tiny
 
 from benchmarks import child
@@ -44,21 +45,13 @@ def spatial(checkout: Path) -> Scenario:
 def planted(monkeypatch: pytest.MonkeyPatch) -> Any:
     """Instead of child processes: Bonmin and the big-M form die, the rest finds a gallop; `calls` counts."""
 
-    class Planted:
+    class Planted(PlantedChild):
         calls = 0
-
-        def __init__(self, factory: str, setup: dict[str, Any]) -> None:
-            self._strategy = setup["scenario"]["strategy"]["name"] if "scenario" in setup else "planner"
-
-        def __enter__(self) -> Planted:
-            return self
-
-        def __exit__(self, *error: object) -> None:
-            pass
 
         def call(self, limit_s: float, **request: Any) -> dict[str, Any]:
             Planted.calls += 1
-            if self._strategy == "bonmin" or request.get("method") == "bigm_random":
+            bonmin = self.setup.get("scenario", {}).get("strategy", {}).get("name") == "bonmin"
+            if bonmin or request.get("method") == "bigm_random":
                 raise Lost("crashed: SIGABRT", 9.0, 10.0)
             answer = {
                 "gait": "gallop", "pattern": "0011/0110", "cost": 100.0, "costs": {"0011/0110": 100.0}, "counts": {},

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from click.testing import CliRunner
+from planted_child import PlantedChild
 
 from benchmarks import child, measure
 from benchmarks.child import Lost
@@ -121,17 +122,8 @@ def test_calibration_error_is_the_gap_between_probability_and_share() -> None:
 def children(monkeypatch: pytest.MonkeyPatch) -> Any:
     """Instead of child processes: big-M dies, the rest answers at once; `asked` counts calls by what was asked."""
 
-    class Children:
+    class Children(PlantedChild):
         asked = dict.fromkeys(("search", "paper", "plan"), 0)
-
-        def __init__(self, factory: str, setup: dict[str, Any]) -> None:
-            pass
-
-        def __enter__(self) -> Children:
-            return self
-
-        def __exit__(self, *error: object) -> None:
-            pass
 
         def call(self, limit_s: float, **request: Any) -> dict[str, Any]:
             if "tasks" in request:

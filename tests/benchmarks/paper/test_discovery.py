@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from planted_child import PlantedChild
 from tasks_at import at
 
 from benchmarks.paper import discovery
@@ -101,24 +102,16 @@ def test_every_task_has_its_rows_whatever_their_order(scenario: Scenario) -> Non
     assert [{restart["seed"] for restart in restarts} for _, restarts in pairs] == [{7, 8}, {7, 8}]
 
 
-class Planted:
+class Planted(PlantedChild):
     """Stands for the child processes: answers from a list and counts."""
 
     calls = 0
 
-    def __init__(self, factory: str, setup: dict) -> None:
-        self._name = setup["scenario"]["strategy"]["name"]
-
-    def __enter__(self) -> Planted:
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        pass
-
     def call(self, limit_s: float, **request) -> dict:
         Planted.calls += 1
-        cost = 100.0 if self._name == "patterns" else 110.0 + request["seed"]
-        return {key: value for key, value in row(self._name, cost, 4.0).items() if key not in request | request["task"]}
+        name = self.setup["scenario"]["strategy"]["name"]
+        cost = 100.0 if name == "patterns" else 110.0 + request["seed"]
+        return {key: value for key, value in row(name, cost, 4.0).items() if key not in request | request["task"]}
 
 
 def test_a_second_run_solves_nothing_and_more_restarts_only_the_new(scenario: Scenario, tmp_path, monkeypatch) -> None:

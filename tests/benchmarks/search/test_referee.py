@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from planted_child import PlantedChild
 
 from benchmarks import child
 from benchmarks.search import referee
@@ -69,20 +70,6 @@ def test_a_small_real_comparison(scenario: Scenario, tmp_path: Path, monkeypatch
     assert summary["solved"] + summary["missed_by_ipopt"] == 6
     assert summary["solved"] >= 5
     assert summary["dearer_rel_max"] < 0.5
-
-    class Refused:
-        def __init__(self, factory: str, setup: dict[str, Any]) -> None:
-            pass
-
-        def __enter__(self) -> Refused:
-            return self
-
-        def __exit__(self, *error: object) -> None:
-            pass
-
-        def call(self, limit_s: float, **request: Any) -> None:
-            pytest.fail("was solved before")
-
-    monkeypatch.setattr(child, "Child", Refused)
+    monkeypatch.setattr(child, "Child", PlantedChild)
     assert run(scenario, tasks=6, seed=1, runs=tmp_path)["rows"] == done["rows"]
     json.dumps(done, allow_nan=False)

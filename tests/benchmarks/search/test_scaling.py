@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from planted_child import PlantedChild
 
 from benchmarks.search.scaling import random_patterns, resized, run
 from gaitflow.config.scenario import Scenario
@@ -58,17 +59,8 @@ def test_a_table_of_two_robots(scenario: Scenario, spatial: Scenario, tmp_path: 
 def test_a_lost_solve_is_a_failure_with_its_time(scenario: Scenario, tmp_path: Path, monkeypatch) -> None:
     from benchmarks import child
 
-    class Dying:
-        def __init__(self, factory: str, setup: dict) -> None:
-            pass
-
-        def __enter__(self) -> Dying:
-            return self
-
-        def __exit__(self, *error: object) -> None:
-            pass
-
-        def call(self, limit_s: float, **request: object) -> None:
+    class Dying(PlantedChild):
+        def call(self, limit_s: float, **request: object) -> dict:
             raise child.Lost("crashed: SIGSEGV", 2.0, 2.5)
 
     monkeypatch.setattr(child, "Child", Dying)
