@@ -136,15 +136,21 @@ class _PlainLoader(yaml.SafeLoader):
         return super().construct_mapping(node, deep)
 
 
-def read_yaml(path: Path) -> Any:
-    """Parse one YAML file into plain data. Raises ConfigError when it is missing, too large or not such YAML."""
+def read_bytes(path: Path, limit: int, what: str) -> bytes:
+    """A whole file of at most `limit` bytes, `what` it is in words. Raises ConfigError: not readable, too large."""
     try:
         with path.open("rb") as file:
-            content = file.read(MAX_CONFIG_BYTES + 1)
+            content = file.read(limit + 1)
     except OSError as error:
         raise ConfigError(f"{path}: cannot be read ({error.strerror})") from None
-    if len(content) > MAX_CONFIG_BYTES:
-        raise ConfigError(f"{path}: more than {MAX_CONFIG_BYTES} bytes, the most a configuration may have")
+    if len(content) > limit:
+        raise ConfigError(f"{path}: more than {limit} bytes, the most {what} may have")
+    return content
+
+
+def read_yaml(path: Path) -> Any:
+    """Parse one YAML file into plain data. Raises ConfigError when it is missing, too large or not such YAML."""
+    content = read_bytes(path, MAX_CONFIG_BYTES, "a configuration")
     try:
         return yaml.load(content.decode(), _PlainLoader)
     except yaml.MarkedYAMLError as error:

@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitflow.config.file import ConfigError
+from gaitflow.config.file import ConfigError, read_bytes
 
 Array = NDArray[np.float64]
 
@@ -49,14 +49,7 @@ def label_of(path: Path) -> str:
 def read_description(path: Path) -> Description:
     """Read a URDF or SRDF. Raises ConfigError: not readable, too large, not XML of a <robot>, or with a DOCTYPE."""
     try:
-        with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise ConfigError(f"{path}: cannot be read ({error.strerror})") from None
-    if len(content) > MAX_BYTES:
-        raise ConfigError(f"{path}: more than {MAX_BYTES} bytes, the most a robot description may have")
-    try:
-        text = content.decode()
+        text = read_bytes(path, MAX_BYTES, "a robot description").decode()
     except UnicodeDecodeError as error:
         raise ConfigError(f"{path}: not UTF-8 text ({error.reason} at byte {error.start})") from None
     if re.search(r"<!\s*(DOCTYPE|ENTITY)", text, re.IGNORECASE):
