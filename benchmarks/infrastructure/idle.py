@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 import time
 from collections.abc import Sequence
@@ -37,12 +36,6 @@ def idle_solutions(scenario: Scenario, tasks: Sequence[Task]) -> list[Solution]:
             seed=0,
             status="infeasible",
             solver_status=",".join(loaded()),
-            cost=math.nan,
-            violation=math.nan,
-            iterations=0,
-            solves=0,
-            wall_s=0.0,
-            cpu_s=0.0,
         )
         for task in tasks
     ]

@@ -8,10 +8,8 @@ from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern, gait_of
 from gaitflow.core.task import Task
 from gaitflow.search.attempts import best_of
-from gaitflow.search.solution import Solution, Status
+from gaitflow.search.solution import NAN, Solution, Status
 from gaitflow.solvers.fixed_gait import Attempt
-
-NAN = float("nan")
 
 
 def solution(scenario: Scenario, task: Task, pattern: Pattern, attempts: Sequence[Attempt]) -> Solution:
@@ -54,10 +52,4 @@ def unsolved(
         seed=scenario.strategy.seed,
         status=status,
         solver_status=reason,
-        cost=NAN,
-        violation=NAN,
-        iterations=0,
-        solves=0,
-        wall_s=0.0,
-        cpu_s=0.0,
     )

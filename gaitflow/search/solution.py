@@ -14,10 +14,12 @@ from gaitflow.solvers.point import Multipliers
 # probed: solved on a coarse mesh only, where it was far from the best.
 Status = Literal["solved", "infeasible", "failed", "screened", "probed"]
 
+NAN = float("nan")
+
 
 @dataclass(frozen=True)
 class Solution:
-    """One row of the dataset."""
+    """One row of the dataset; the defaults are those of a pattern that was not solved."""
 
     task: Task
     pattern: str  # as solved, legs' rows of all phases joined by "/": "0110/1100"
@@ -27,13 +29,13 @@ class Solution:
     seed: int
     status: Status
     solver_status: str
-    cost: float  # unscaled, NaN when there is no trajectory
-    violation: float  # worst scaled constraint violation found by gaitflow.core.check, NaN without trajectory
-    iterations: int  # over all starts of this row
-    solves: int  # solver calls of this row
-    wall_s: float
-    cpu_s: float
-    refined_cost: float = float("nan")  # of the same pattern on the finest mesh that was asked, NaN when none was
+    cost: float = NAN  # unscaled, NaN when there is no trajectory
+    violation: float = NAN  # worst scaled constraint violation found by gaitflow.core.check, NaN without trajectory
+    iterations: int = 0  # over all starts of this row
+    solves: int = 0  # solver calls of this row
+    wall_s: float = 0.0
+    cpu_s: float = 0.0
+    refined_cost: float = NAN  # of the same pattern on the finest mesh that was asked, NaN when none was
     refined_knots: int = 0  # knots a phase of that mesh, 0 when none was asked
     trajectory: Trajectory | None = None
     multipliers: Multipliers | None = None

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -83,12 +82,6 @@ def failed_solutions(unit: Unit, attempts: list[LostAttempt]) -> list[Solution]:
             seed=unit.seeds[0] if unit.seeds else strategy.seed,
             status="failed",
             solver_status=text,
-            cost=math.nan,
-            violation=math.nan,
-            iterations=0,
-            solves=0,
-            wall_s=0.0,
-            cpu_s=0.0,
         )
         for task in unit.tasks
     ]
