@@ -41,7 +41,7 @@ from gaitflow.tables.schema import task_columns
 
 Fault = Literal["worker", "run"]
 QUIET_S = (0.5, 6.0)
-LOOK_S = 0.05
+POLL_S = 0.05
 ORPHAN_GRACE_S = 20.0  # a solver cannot leave a call of CasADi, which builds fine meshes in some seconds
 ENDS_WITHIN_S = 600.0
 DRIVE = "from benchmarks.infrastructure.faults import drive; drive()"
@@ -149,7 +149,7 @@ def _round(
                     if kill is not None:
                         kills.append(kill)
                         pending.pop()
-                time.sleep(LOOK_S)
+                time.sleep(POLL_S)
             code = run.poll()
     stored = {digest: store.path(digest).stat().st_mtime for digest in store.solved()}
     frame = load_solutions(collect(store, scenario)).frame() if code == 0 else None
@@ -181,7 +181,7 @@ def _kill(run: subprocess.Popen[bytes], fault: Fault, chance: random.Random) -> 
         run.wait()
         deadline = time.monotonic() + ORPHAN_GRACE_S
         while (orphans := sum(map(_alive, everyone))) and time.monotonic() < deadline:
-            time.sleep(LOOK_S)
+            time.sleep(POLL_S)
     return Kill(fault, now, solvers, orphans)
 
 

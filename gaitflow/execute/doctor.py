@@ -17,7 +17,7 @@ from gaitflow.execute.schedulers.jobs import Partition, Queue, SlurmError, cance
 from gaitflow.execute.schedulers.scripts import doctor_script
 from gaitflow.files import WriteError, publish_once
 
-LOOK_S = 0.5
+POLL_S = 0.5
 SETTLE_S = 20.0  # after its job has ended, a file may take this long to be seen on a network file system
 CLOCK_LIMIT_S = 10.0
 LAST_LINES = 3
@@ -117,7 +117,7 @@ def _wait_for(path: Path, folder: Path, job: str, wait_s: float) -> str | None:
             )
         if time.monotonic() > deadline and state != "gone":
             return f"job {job} is {state} after {wait_s:.0f} s; wait longer with --wait, or choose another partition"
-        time.sleep(LOOK_S)
+        time.sleep(POLL_S)
     return None
 
 

@@ -23,7 +23,7 @@ from gaitflow.tables.solver_code import solver_version
 REPORT, QUESTION, ANSWER, TAKEN = "report.json", "question", "answer.json", "taken"
 NEEDED = ("casadi", "gaitflow.execute.drain", "gaitflow.search")  # by the solver and by the worker
 WAIT_S = 120.0
-LOOK_S = 0.2
+POLL_S = 0.2
 
 
 def main() -> None:
@@ -35,7 +35,7 @@ def main() -> None:
     publish_once(options.folder / REPORT, json.dumps(report(options.folder, options.scratch)).encode())
     deadline = time.monotonic() + WAIT_S
     while not (options.folder / QUESTION).exists() and time.monotonic() < deadline:
-        time.sleep(LOOK_S)
+        time.sleep(POLL_S)
     publish_once(options.folder / ANSWER, json.dumps({"time": time.time()}).encode())
 
 

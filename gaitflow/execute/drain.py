@@ -9,7 +9,7 @@ import asyncio
 
 from distributed import Status, Worker
 
-LOOK_S = 0.2
+POLL_S = 0.2
 
 
 class DrainingWorker(Worker):
@@ -20,5 +20,5 @@ class DrainingWorker(Worker):
         if self.status == Status.running:
             self.status = Status.paused
             while self.state.executing_count and self.status == Status.paused:
-                await asyncio.sleep(LOOK_S)
+                await asyncio.sleep(POLL_S)
         await super().close_gracefully(restart=restart, reason=reason)

@@ -23,12 +23,12 @@ from gaitflow.execute.solver import SolverClosed
 from gaitflow.execute.solver_process import SOLVE
 from gaitflow.execute.worker import SolverPlugin, solve_unit
 from gaitflow.store.known_parts import validate_changed
-from gaitflow.store.lost_workers import give_up_vanished
+from gaitflow.store.lost_workers import give_up_after_lost_workers
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import Unit
 
 UNITS_PER_WORKER = 3  # submitted at a time: one in work, the next at hand
-LOOK_S = 0.3  # how often a wait looks up for a request to stop
+POLL_S = 0.3  # how often a wait looks for a request to stop
 REGISTRATIONS = 20  # tries to set up the workers while some of them die
 MAX_ROUNDS = 4  # of solving parts again that turned out damaged
 
@@ -89,7 +89,7 @@ def run_units(
         if missing:
             # In random order the time left is estimated from a fair sample, and two runs on one store seldom meet.
             random.shuffle(missing)
-            give_up_vanished(store, missing)
+            give_up_after_lost_workers(store, missing)
             with _stop_request() as stop, open_client() as client:
                 _drain(missing, store, client, count, stop, window, solve)
             if stop.is_set() and count.state.left:
@@ -163,7 +163,7 @@ def _drain(
             else:
                 count.add(receipt)
         if killed:
-            give_up_vanished(store, killed)
+            give_up_after_lost_workers(store, killed)
 
 
 def _give_solvers(client: Client, solve: str) -> None:
@@ -177,13 +177,13 @@ def _give_solvers(client: Client, solve: str) -> None:
             return
         except OSError as error:  # CommClosedError is one
             last = error
-            time.sleep(LOOK_S)
+            time.sleep(POLL_S)
     raise RunFailed(f"workers cannot be set up ({last}); the cluster seems to go down again and again") from last
 
 
 def _finished(flying: list[Future[Receipt]]) -> set[Future[Receipt]]:
     try:
-        return set(wait(flying, timeout=LOOK_S, return_when="FIRST_COMPLETED").done)
+        return set(wait(flying, timeout=POLL_S, return_when="FIRST_COMPLETED").done)
     except TimeoutError:
         return set()
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from typing import Any
 
-from gaitflow.store.lost_workers import MOST_VANISHED
+from gaitflow.store.lost_workers import MAX_LOST_WORKERS
 
 # Both sides. By itself Dask looks at its own health up to a hundred times a second, in every process: that takes 7 %
 # of a core with two workers, on cores that the solvers need; so it takes 2 %.
@@ -18,7 +18,7 @@ PROCESS: dict[str, Any] = {
 }
 SETTINGS: dict[str, Any] = PROCESS | {
     # A worker's death is no unit's fault. After so many of them the run asks the journal, which outlives the scheduler.
-    "distributed.scheduler.allowed-failures": MOST_VANISHED - 1,
+    "distributed.scheduler.allowed-failures": MAX_LOST_WORKERS - 1,
     "distributed.scheduler.http.routes": [],
     "distributed.scheduler.active-memory-manager.start": False,  # receipts are small
     "distributed.admin.tick.limit": "30s",

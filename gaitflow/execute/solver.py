@@ -113,11 +113,11 @@ class Solver:
         return ending
 
     def _note_end(self, stored: bool = False) -> None:
-        """Write down, once, that the unit in work came to an end that we saw: its worker did not vanish."""
+        """Write down, once, that the unit in work came to an end that we saw: its worker was not lost."""
         in_work, self._in_work = self._in_work, None
         if in_work is not None and not stored:  # else the process itself has written so
             journal, unit = in_work
-            with suppress(OSError):  # a full disk: the unit counts as vanished once, which decides nothing
+            with suppress(OSError):  # a full disk: the unit counts as one more lost worker, which decides nothing
                 journal.ended(unit)
 
 

@@ -14,11 +14,11 @@ from gaitflow.store.journal import unended, write_off
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import Unit
 
-MOST_VANISHED = 8  # workers
+MAX_LOST_WORKERS = 8  # of one unit
 
 
-def give_up_vanished(store: UnitStore, units: Iterable[Unit]) -> None:
-    """Allow no further attempt at those of `units` that MOST_VANISHED workers began and were never heard of again.
+def give_up_after_lost_workers(store: UnitStore, units: Iterable[Unit]) -> None:
+    """Allow no further attempt at those of `units` that MAX_LOST_WORKERS workers began and were never heard of again.
 
     What led to it is written off: without its attempts a unit can be tried again. Raises OSError.
     """
@@ -26,6 +26,6 @@ def give_up_vanished(store: UnitStore, units: Iterable[Unit]) -> None:
     found = unended(journal)
     for unit in units:
         solvers = found.get(unit.digest, ())
-        if len(solvers) >= MOST_VANISHED:
-            store.attempts.record(unit, f"its worker vanished {len(solvers)} times: out of memory?", last=True)
+        if len(solvers) >= MAX_LOST_WORKERS:
+            store.attempts.record(unit, f"its worker was lost {len(solvers)} times: out of memory?", last=True)
             write_off(journal, unit.digest, solvers)

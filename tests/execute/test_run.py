@@ -161,7 +161,7 @@ def test_a_signal_stops_cleanly_and_the_next_run_goes_on(
     assert not store.attempts.folder.exists() and list(store.folder.rglob("*.tmp")) == []
     done = {unit: store.path(unit).stat().st_mtime_ns for unit in store.solved()}
     assert 0 < len(done) < len(units)
-    assert unended(store.folder / "journal") == {}, "a stop is no worker that vanished"
+    assert unended(store.folder / "journal") == {}, "a stop is no lost worker"
     assert run_units(units, store, open_client, solve="fakes:steady").left == 0
     assert {unit: store.path(unit).stat().st_mtime_ns for unit in done} == done
     assert all(starts(store)[unit] == 1 for unit in done)
@@ -197,7 +197,7 @@ class Dying:
 
 
 def test_a_worker_that_dies_while_the_workers_are_set_up_ends_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("gaitflow.execute.run.LOOK_S", 0.0)
+    monkeypatch.setattr("gaitflow.execute.run.POLL_S", 0.0)
     client = Dying(deaths=2)
     _give_solvers(client, "module:function")  # type: ignore[arg-type]
     assert client.calls == 3

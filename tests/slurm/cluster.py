@@ -35,7 +35,7 @@ MARK = "GAITFLOW_TEST_SLURM"  # in the environment of every daemon and job step:
 NODE_MARK = "GAITFLOW_TEST_NODE"  # and of which node
 OWNED = ".gaitflow-test-slurm"  # in every folder that `stop` may delete
 READY_S = 30.0
-LOOK_S = 0.1
+POLL_S = 0.1
 SOCKET_PATH_LIMIT = 107
 
 CONF = """\
@@ -134,7 +134,7 @@ class Cluster:
     def keep(self, until: int) -> None:
         """Wait for the process `until` to end, then stop the cluster if it is still there."""
         while not _has_ended(until):
-            time.sleep(LOOK_S)
+            time.sleep(POLL_S)
         if self.folder.exists():
             self.stop()
 
@@ -260,7 +260,7 @@ class Cluster:
             for pid in left:
                 with suppress(ProcessLookupError):
                     os.kill(pid, signal.SIGKILL)
-            time.sleep(LOOK_S)
+            time.sleep(POLL_S)
 
     def _wait(self, name: str, ready: Callable[[], bool]) -> None:
         deadline = time.monotonic() + READY_S
@@ -272,7 +272,7 @@ class Cluster:
                     for line in log.read_text(errors="replace").splitlines()[-5:]
                 )
                 raise ClusterError(f"{name} is not ready after {READY_S:.0f} s{logs}")
-            time.sleep(LOOK_S)
+            time.sleep(POLL_S)
 
 
 def program_path(program: str) -> str | None:

@@ -182,7 +182,7 @@ class Run:
         """The run's journal."""
         return read_journal(self.store.folder / "journal")
 
-    def vanished(self) -> int:
+    def lost_solves(self) -> int:
         """Solves whose end nobody saw."""
         return sum(map(len, unended(self.store.folder / "journal").values()))
 

@@ -110,7 +110,7 @@ def test_a_worker_is_cancelled(run: Run, judge: Callable[..., None], cluster: Cl
     assert len(hit) == 1
     cluster.call("scancel", job)
     judge(run, "scancel", hit, run.wait_for_pool(hit) - begin)
-    assert run.vanished() == 0, "a worker that was asked to end counts as one that vanished"
+    assert run.lost_solves() == 0, "a worker that was asked to end counts as a lost one"
 
 
 def test_workers_are_preempted(run: Run, judge: Callable[..., None], cluster: Cluster) -> None:
@@ -118,7 +118,7 @@ def test_workers_are_preempted(run: Run, judge: Callable[..., None], cluster: Cl
     urgent = [urgent_job(cluster, node) for node in NODES]
     run.wait_until(lambda: set(urgent) <= set(running(cluster, "urgent")))
     judge(run, "preemption", hit, run.wait_for_pool(hit) - begin)
-    assert run.vanished() == 0, "a worker that was asked to end counts as one that vanished"
+    assert run.lost_solves() == 0, "a worker that was asked to end counts as a lost one"
 
 
 def test_a_node_is_taken_down(run: Run, judge: Callable[..., None], cluster: Cluster) -> None:
@@ -133,7 +133,7 @@ def test_a_node_dies(run: Run, judge: Callable[..., None], cluster: Cluster) -> 
     hit, begin = run.solvers(), time.time()
     cluster.kill_node(node)
     judge(run, "node dead", hit, run.wait_for_pool(hit) - begin)
-    assert run.vanished() == len(hit)
+    assert run.lost_solves() == len(hit)
 
 
 def test_the_controller_is_away_while_a_worker_dies(run: Run, judge: Callable[..., None], cluster: Cluster) -> None:
@@ -268,7 +268,7 @@ def test_a_unit_takes_more_memory_than_its_job_has(
 
 
 @pytest.mark.parametrize(
-    ("solver", "reason"), [("dies_at_first", "crashed: SIGSEGV x3"), ("kills_its_worker", "its worker vanished")]
+    ("solver", "reason"), [("dies_at_first", "crashed: SIGSEGV x3"), ("kills_its_worker", "its worker was lost")]
 )
 def test_a_poison_unit_is_given_up(
     make_run: Callable[..., Run],

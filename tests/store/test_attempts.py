@@ -37,11 +37,11 @@ def test_a_damaged_record_still_counts(tmp_path: Path, units: tuple[Unit, ...]) 
 def test_a_last_attempt_leaves_none_to_try(tmp_path: Path, units: tuple[Unit, ...]) -> None:
     attempts = Attempts(tmp_path)
     attempts.record(units[0], "crashed: SIGSEGV")
-    assert attempts.record(units[0], "its worker vanished", last=True) == MAX_ATTEMPTS
-    assert attempts.record(units[1], "its worker vanished", last=True) == MAX_ATTEMPTS
+    assert attempts.record(units[0], "its worker was lost", last=True) == MAX_ATTEMPTS
+    assert attempts.record(units[1], "its worker was lost", last=True) == MAX_ATTEMPTS
     assert attempts.count(units[0]) == attempts.count(units[1]) == MAX_ATTEMPTS
     assert attempts.given_up() == {units[0].digest, units[1].digest}
-    assert [attempt.reason for attempt in attempts.of(units[0])] == ["crashed: SIGSEGV", "its worker vanished"]
+    assert [attempt.reason for attempt in attempts.of(units[0])] == ["crashed: SIGSEGV", "its worker was lost"]
 
 
 def test_given_up_units_become_failed_rows_of_all_their_tasks(store: UnitStore, units: tuple[Unit, ...]) -> None:

@@ -22,7 +22,7 @@ from gaitflow.config.cluster import Profile
 from gaitflow.execute.schedulers.jobs import DRIVER, Job, Queue, SlurmError, cancel
 from gaitflow.execute.schedulers.scripts import worker_script
 
-LOOK_S = 1.0
+POLL_S = 1.0
 STEP = 16  # jobs that are submitted before looking again
 AT_ONCE = 4  # sbatch commands side by side
 FIRST_WAIT_S, LONGEST_WAIT_S = 5.0, 300.0  # between tries when sbatch fails or workers do not come up
@@ -133,7 +133,7 @@ class WorkerPool(SLURMCluster):
     async def _keep(self) -> None:
         while True:
             await self._reconcile()
-            await asyncio.sleep(LOOK_S)
+            await asyncio.sleep(POLL_S)
 
     async def _reconcile(self) -> None:
         """One look: forget what is gone, cancel what nobody knows, submit what is missing."""

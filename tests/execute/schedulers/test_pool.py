@@ -66,7 +66,7 @@ def slurm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Slurm:
     monkeypatch.setenv("PATH", f"{slurm.folder}:/usr/bin:/bin")
     monkeypatch.delenv(IN_DRIVER_JOB, raising=False)
     monkeypatch.setattr(jobs, "SQUEUE_EVERY_S", 0.2)
-    for name, seconds in {"LOOK_S": 0.05, "FIRST_WAIT_S": 0.1, "LONGEST_WAIT_S": 0.3}.items():
+    for name, seconds in {"POLL_S": 0.05, "FIRST_WAIT_S": 0.1, "LONGEST_WAIT_S": 0.3}.items():
         monkeypatch.setattr(pool, name, seconds)
     return slurm
 
