@@ -8,6 +8,7 @@ import time
 from itertools import pairwise, product
 
 import pytest
+from figure_5 import FIGURE_5
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -18,15 +19,6 @@ MIRROR = (1, 0, 3, 2)
 SWAP = (2, 3, 0, 1)  # front and hind
 LEFT_RIGHT = Symmetry(mirror=MIRROR)
 SYMMETRIES = (NO_SYMMETRY, LEFT_RIGHT, Symmetry(reversal=SWAP), Symmetry(MIRROR, SWAP))
-FIGURE_5 = {
-    "walking": ("0111", "1101"),
-    "gallop": ("0110", "1100"),
-    "bounding": ("0001", "0100"),
-    "pronking": ("0110", "0100"),
-    "gallop-walk": ("011", "110"),
-    "gallop-pronk": ("010", "110"),
-    "gallop-bound": ("010", "100"),
-}
 
 
 def patterns_of(legs: st.SearchStrategy[int]) -> st.SearchStrategy[Pattern]:

@@ -6,6 +6,7 @@ from functools import cache
 from itertools import permutations
 
 import pytest
+from figure_5 import FIGURE_5
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -15,15 +16,6 @@ from gaitflow.core.names import gait_kind, gait_name, leg_place, quadruped_place
 LEGS = ("LF", "RF", "LH", "RH")
 MIRROR = (1, 0, 3, 2)
 LEFT_RIGHT = Symmetry(mirror=MIRROR)
-FIGURE_5 = {
-    "walking": ("0111", "1101"),
-    "gallop": ("0110", "1100"),
-    "bounding": ("0001", "0100"),
-    "pronking": ("0110", "0100"),
-    "gallop-walk": ("011", "110"),
-    "gallop-pronk": ("010", "110"),
-    "gallop-bound": ("010", "100"),
-}
 ARCHETYPES = {  # LF, RF, LH, RH
     "pronk": "0110/0110/0110/0110",
     "trot": "0011/1100/1100/0011",
