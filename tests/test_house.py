@@ -24,8 +24,8 @@ MEGABYTE = 1_000_000
 # Imported by nothing, run as a program.
 PROGRAMS = {"snakemake"}
 # Names that only their author understood; say what a thing is instead.
-PRIVATE_NAMES = {"NEVER", "QUICK", "STILL", "WORTH"}
-PRIVATE_MODULES = {"checked", "paper_way", "vanished"}
+PRIVATE_NAMES = {"ALWAYS", "HUNG", "LOOK_S", "NEVER", "QUICK", "STILL", "WORTH"}
+PRIVATE_MODULES = {"checked", "older_tables", "paper_way", "vanished"}
 # What a planner imports; the rest of the package belongs to map makers.
 THIN = ("core/", "runtime/", "solvers/")
 # The extras that a part of the package may count on, beside the base install.

@@ -13,7 +13,7 @@ import numpy as np
 from benchmarks import child
 from benchmarks.document import document
 from benchmarks.paper import table
-from benchmarks.paper.random_start import METHODS, PAPER, PLAN, paper_way
+from benchmarks.paper.random_start import METHODS, PAPER, PLAN, calls_by_method
 from benchmarks.paper.table import SAME_OPTIMUM, reaches
 from benchmarks.paper.targets import against
 from benchmarks.rows import Row
@@ -64,7 +64,7 @@ def run(scenario: Scenario, artifact: Path, tasks: int | None = None, seed: int 
     dimension = scenario.robot.dimension
     chosen, warm_up_task = table.draw_tasks(scenario, artifact, TASKS[dimension] if tasks is None else tasks, seed)
     references = table.references("online", scenario, ours(scenario), chosen[:REFERENCES], runs)
-    paper = paper_way("online", scenario, artifact, chosen[:PAPER_TASKS], warm_up_task, seed, runs)
+    paper = calls_by_method("online", scenario, artifact, chosen[:PAPER_TASKS], warm_up_task, seed, runs)
     with child.Child("benchmarks.online.plan_times:PlanTimes", {"artifact": str(artifact)}) as process:
         asked = [{axis: task[axis] for axis in scenario.tasks.space.ranged} for task in chosen]
         timed = process.call(PLAN_LIMIT_S * (1 + len(asked)), tasks=asked)

@@ -30,8 +30,8 @@ from gaitflow.problem import transcribe
 from gaitflow.tables.solver_code import SOLVER_SOURCES, package_digest
 
 BUDGET_S = 3600.0  # CPU time of one run by Bonmin's clock, so at least as much wall time
-# Wall time after which a run counts as hung: its clock counts CPU time, and a busy machine may give a sixth of a core.
-HUNG = 6.0  # budgets
+# Wall over CPU time from which a run counts as hung: a busy machine may give it a sixth of a core.
+MOST_WALL_PER_CPU = 6.0
 MARGIN_S = 300.0  # for building, the last node and the polish
 # What a run of an hour depends on: all but our own search and solver, which only polish the pattern that it ends with.
 OUR_OWN = ("search/*.py", "solvers/*.py")
@@ -84,7 +84,7 @@ def _bonmin_runs(scenario: Scenario, tasks: Sequence[Task], seed: int, runs: Pat
 
             def measure(key: Row) -> Row:
                 log.unlink(missing_ok=True)
-                limit = HUNG * BUDGET_S + MARGIN_S
+                limit = MOST_WALL_PER_CPU * BUDGET_S + MARGIN_S
                 found = search(process, task_values(scenario, key), key["seed"], limit)
                 return found | {"log": log.read_text("utf-8", errors="replace") if log.exists() else ""}
 

@@ -51,10 +51,10 @@ class PlanAndFixedGait:
         return {key: found[key] for key in ("gait", "pattern", "status", "cost", "iterations", "wall_s", "cpu_s")}
 
 
-def paper_way(
+def calls_by_method(
     bench: str, scenario: Scenario, artifact: Path, tasks: Sequence[Task], warm_up_task: Task, seed: int, runs: Path
 ) -> list[dict[str, Row]]:
-    """Of each task what the METHODS did, by name; a task that was measured before, kept below `runs`, is reused."""
+    """A call of each of METHODS a task, by name; a task that was measured before, kept below `runs`, is reused."""
     about = {"manifest": sha256_file(resolve(artifact) / "manifest.json")}
     limit = 10 * scenario.strategy.solve_time_limit  # wall time: the machine may be busy
     setup = {"artifact": str(artifact), "warm_up_task": task_key(scenario, warm_up_task)}

@@ -8,7 +8,7 @@ from typing import Any
 
 from gaitflow.core.task import AXES, Split, Task
 
-ALWAYS = ("speed", "cycle_duration")  # columns of every table, also where a scenario fixes them
+MAIN_AXES = ("speed", "cycle_duration")  # columns of every table, also where a scenario fixes them
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class TaskSpace:
     @property
     def columns(self) -> tuple[str, ...]:
         """The axes that tables have a column for: speed, cycle_duration and the others with a range."""
-        return (*ALWAYS, *(axis for axis in self.ranged if axis not in ALWAYS))
+        return (*MAIN_AXES, *(axis for axis in self.ranged if axis not in MAIN_AXES))
 
     def task(self, values: Mapping[str, float], split: Split = "grid") -> Task:
         """The task with these values on the ranged axes; a fixed axis may be given with the value that it has.

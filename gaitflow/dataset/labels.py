@@ -123,12 +123,12 @@ def _label(group: pd.DataFrame | None, tolerance: float, knots: int) -> dict[str
         "runner_up": gaits[1] if len(gaits) > 1 else "",
         "ties": [gait for gait, more in zip(gaits, excess, strict=True) if more <= tolerance],
         "cost_error": float(np.abs(errors).max()),  # NaN when either is
-        "resolved": margin == np.inf or _settled(first_two, margin, tolerance, knots),
+        "resolved": margin == np.inf or _is_resolved(first_two, margin, tolerance, knots),
         "label": best["gait"],
     }
 
 
-def _settled(first_two: pd.DataFrame, margin: float, tolerance: float, knots: int) -> bool:
+def _is_resolved(first_two: pd.DataFrame, margin: float, tolerance: float, knots: int) -> bool:
     finer_mesh = first_two["refined_knots"] > knots
     if margin <= tolerance:
         return bool(finer_mesh.iloc[0])

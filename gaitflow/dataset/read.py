@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 from gaitflow.core.legacy import modern_scenario
 from gaitflow.core.task import Split
 from gaitflow.core.trajectory import Array
-from gaitflow.dataset.older_tables import modern_table
+from gaitflow.dataset.legacy import modern_table
 from gaitflow.search.solution import Solution
 from gaitflow.tables.provenance import read_record
 from gaitflow.tables.schema import scalar_columns

@@ -35,7 +35,7 @@ def thin(collected: Path, target: Path, costs: pd.DataFrame, gaits: int, dearer:
         record = read_record(file.metadata.metadata, str(collected))
         schema = file.schema_arrow.remove_metadata()
         rows = file.read(columns=scalar_columns(schema.names)).to_pandas()
-        keep = _worth_keeping(rows, costs[costs["excess"] <= dearer], gaits)
+        keep = _cheapest_solves(rows, costs[costs["excess"] <= dearer], gaits)
 
         def tables() -> Iterator[pa.Table]:
             start = 0
@@ -57,7 +57,7 @@ def _kept(column: pa.Array, name: str, keep: Mask) -> pa.Array:
     return column.cast(pa.list_(pa.float32())).cast(column.type) if name in MULTIPLIERS else column
 
 
-def _worth_keeping(rows: pd.DataFrame, costs: pd.DataFrame, gaits: int) -> Mask:
+def _cheapest_solves(rows: pd.DataFrame, costs: pd.DataFrame, gaits: int) -> Mask:
     """Which rows [n] are the cheapest solve of the pattern of one of their task's `gaits` cheapest gaits."""
     task = task_columns(rows.columns)
     key = [*task, "pattern"]

@@ -1,4 +1,4 @@
-"""The small note that travels back when a unit was worked on; solutions themselves never leave the store."""
+"""What a task on Dask returns: what became of its unit. Solutions themselves never leave the store."""
 
 from __future__ import annotations
 

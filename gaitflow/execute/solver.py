@@ -37,7 +37,7 @@ class Solver:
         self._solve = solve
         self._process: LineProcess | None = None
         self._name = ""  # of that process in the journal
-        self._last_words = ""  # what it said in the last attempt
+        self._output = ""  # what it wrote in the last attempt
         self._in_work: tuple[Journal, str] | None = None
         self._closed = False
         self._lock = threading.Lock()
@@ -56,7 +56,7 @@ class Solver:
                 if receipt.outcome != "raised":
                     return replace(receipt, attempts=tuple(lost))
                 lost.append(receipt.error)
-                store.attempts.record(unit, receipt.error, self._last_words)
+                store.attempts.record(unit, receipt.error, self._output)
             attempts = store.attempts.of(unit)
             rows = failed_solutions(unit, attempts)
             kept = store.write(unit, rows, {})
@@ -79,7 +79,7 @@ class Solver:
             process = self._started(unit, store)
             receipt = Receipt.from_data(process.ask(request | {"solver": self._name}, limit))
             if receipt.outcome == "raised":
-                self._last_words = _last_words(process)
+                self._output = _output(process)
             with self._lock:
                 self._note_end(stored=receipt.outcome in ("solved", "already"))
             return receipt
@@ -109,7 +109,7 @@ class Solver:
         if process is None:
             return "lost"
         ending = process.end()
-        self._last_words = _last_words(process)
+        self._output = _output(process)
         return ending
 
     def _note_end(self, stored: bool = False) -> None:
@@ -142,5 +142,5 @@ def longest_unit_s(units: Iterable[Unit]) -> float:
     return max(map(time_limit, kinds.values()), default=0.0)
 
 
-def _last_words(process: LineProcess) -> str:
+def _output(process: LineProcess) -> str:
     return "\n".join(line for line in process.said() if not line.startswith("Extension modules:"))  # of a traceback

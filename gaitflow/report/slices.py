@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from gaitflow.core.task_space import ALWAYS, TaskSpace
+from gaitflow.core.task_space import MAIN_AXES, TaskSpace
 
 MAX_PANELS = 9
 DECIMALS = 9  # grid values are rounded to 1e-9
@@ -47,7 +47,7 @@ class Slices:
 
 def main_axes(space: TaskSpace) -> tuple[str, str | None]:
     """Speed and cycle duration where both have a range, otherwise the first two axes with one, or the only one."""
-    first, *others = ALWAYS if set(ALWAYS) <= set(space.ranged) else space.ranged
+    first, *others = MAIN_AXES if set(MAIN_AXES) <= set(space.ranged) else space.ranged
     return first, others[0] if others else None
 
 

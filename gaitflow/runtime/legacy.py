@@ -18,7 +18,7 @@ from gaitflow.core.domain import Domain
 from gaitflow.core.errors import ArtifactError
 from gaitflow.core.layout import Layout
 from gaitflow.core.task import AXIS_NAMES
-from gaitflow.core.task_space import ALWAYS, TaskSpace
+from gaitflow.core.task_space import MAIN_AXES, TaskSpace
 from gaitflow.runtime.files import ATLAS, CARD, CLASSIFIER, PROBLEM, WARM_STARTS, read_checked
 from gaitflow.runtime.manifest import SELF_DIGEST, Manifest
 from gaitflow.runtime.manifest_fields import MAX_AXIS, created, feasible, file_entries, gaits, scenario, version
@@ -38,8 +38,8 @@ def manifest(data: Mapping[str, Any], where: str) -> Manifest:
     fields = Fields(data, where, _FIELDS)
     content = _CONTENT[fields.integer("format", 1, 2)]
     checked = scenario(fields)
-    if TaskSpace.of(checked).ranged != ALWAYS:
-        fields.refuse("scenario", f"one with the axes {', '.join(ALWAYS)}")
+    if TaskSpace.of(checked).ranged != MAIN_AXES:
+        fields.refuse("scenario", f"one with the axes {', '.join(MAIN_AXES)}")
     layout = Layout.of(checked)
     _layout(fields.inner("layout", _LAYOUT), layout)
     return Manifest(
@@ -50,7 +50,7 @@ def manifest(data: Mapping[str, Any], where: str) -> Manifest:
         created=created(fields),
         dataset=fields.mapping("dataset"),
         code=fields.mapping("code"),
-        domain=_domain(fields.inner("domain", (*ALWAYS, "feasible"))),
+        domain=_domain(fields.inner("domain", (*MAIN_AXES, "feasible"))),
         gaits=gaits(fields, layout),
         cost_scale=fields.positive("cost_scale"),
         classifier_kind=fields.inner("classifier", ("kind",)).text("kind"),
@@ -86,18 +86,18 @@ def stored_problem(folder: Path, described: Manifest, rows: int, trust_code: boo
             "which `code` in manifest.json names"
         ) from None
     nw = described.layout.nw
-    if takes != [(nw, 1), (len(ALWAYS), 1)] or gives != [(1, 1), (rows, 1)]:
+    if takes != [(nw, 1), (len(MAIN_AXES), 1)] or gives != [(1, 1), (rows, 1)]:
         raise ArtifactError(
-            f"{path}: the problem maps {takes} to {gives}; expected w [{nw}] and {', '.join(ALWAYS)} to cost [1] and "
-            f"rows [{rows}]"
+            f"{path}: the problem maps {takes} to {gives}; expected w [{nw}] and {', '.join(MAIN_AXES)} to cost [1] "
+            f"and rows [{rows}]"
         )
     w, task = casadi.SX.sym("w", nw), casadi.SX.sym("task", len(AXIS_NAMES))
-    cost, groups = function(w, casadi.vertcat(*(task[AXIS_NAMES.index(axis)] for axis in ALWAYS)))
+    cost, groups = function(w, casadi.vertcat(*(task[AXIS_NAMES.index(axis)] for axis in MAIN_AXES)))
     return casadi.Function("nlp", [w, task], [cost, groups], ["w", "task"], ["cost", "rows"])
 
 
 def _domain(fields: Fields) -> Domain:
-    values = {axis: fields.rising(axis, MAX_AXIS) for axis in ALWAYS}
+    values = {axis: fields.rising(axis, MAX_AXIS) for axis in MAIN_AXES}
     return Domain(values, np.array(feasible(fields, tuple(map(len, values.values())))))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitflow.core.layout import Layout
-from gaitflow.core.task_space import ALWAYS
+from gaitflow.core.task_space import MAIN_AXES
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, Sheet
 from gaitflow.runtime.atlas_file import (
@@ -43,7 +43,7 @@ def parse_gridded_atlas(content: bytes, gaits: int, layout: Layout, rows: int, w
         file.refuse("the atlas", f"has more than {MAX_NODES} nodes")
     grid = tuple(_axis(file, name) for name in _GRID)
     sheets = tuple(_sheet(file, number, gaits, layout, rows, grid) for number in range(count))
-    return Atlas(ALWAYS, np.array([np.diff(values).mean() for values in grid]), barrier, sheets)
+    return Atlas(MAIN_AXES, np.array([np.diff(values).mean() for values in grid]), barrier, sheets)
 
 
 def _axis(file: TensorFile, name: str) -> Array:

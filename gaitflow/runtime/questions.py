@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gaitflow.core.task import AXES
-from gaitflow.core.task_space import ALWAYS, TaskSpace
+from gaitflow.core.task_space import MAIN_AXES, TaskSpace
 from gaitflow.core.trajectory import Array
 
 
@@ -22,7 +22,9 @@ class Questions:
         self._space = space
         self._ranged = frozenset(space.ranged)
         fixed = dict(space.fixed)
-        self._held = {axis: fixed.get(axis, AXES[axis].default or 0.0) for axis in ALWAYS if axis not in self._ranged}
+        self._held = {
+            axis: fixed.get(axis, AXES[axis].default or 0.0) for axis in MAIN_AXES if axis not in self._ranged
+        }
 
     def one(self, speed: object, cycle_duration: object, axes: Mapping[str, Any]) -> dict[str, float]:
         """Values by axis of one task: speed, cycle_duration and the other ranged axes.

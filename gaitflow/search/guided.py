@@ -81,7 +81,7 @@ class _Search:
 
     def _rows(self, task: Task, explored: Explored, attempts: Mapping[Pattern, Sequence[Attempt]]) -> list[Solution]:
         rows = []
-        unowned = explored.before  # counted with the first row that was solved at all
+        unowned = explored.half_calls  # counted with the first row that was solved at all
         for pattern in sorted({*explored.probes, *explored.reasons, *attempts}):
             probe = explored.probes.get(pattern)
             if pattern in attempts:

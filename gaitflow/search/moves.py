@@ -32,7 +32,7 @@ def neighbours(
     """Representatives of all patterns one local move away in which a leg stands, sorted; never the pattern itself."""
     views = {
         representative(moved, symmetry)
-        for moved in (*_flips(pattern), *_shifts(pattern), *_respent(pattern))
+        for moved in (*_flips(pattern), *_shifts(pattern), *_merges_and_splits(pattern))
         if any("1" in row for row in moved.rows) and _allowed(moved, stances_per_leg)
     }
     return tuple(sorted(views - {representative(pattern, symmetry)}))
@@ -69,7 +69,7 @@ def _shifts(pattern: Pattern) -> Iterator[Pattern]:
         yield _with_row(pattern, leg, row[-1:] + row[:-1])
 
 
-def _respent(pattern: Pattern) -> Iterator[Pattern]:
+def _merges_and_splits(pattern: Pattern) -> Iterator[Pattern]:
     for merged, split in product(range(pattern.phases), repeat=2):
         if merged != split:
             kept = [phase for phase in range(pattern.phases) if phase != merged]

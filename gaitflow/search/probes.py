@@ -38,7 +38,7 @@ class Explored:
     probes: dict[Pattern, Attempt] = field(default_factory=dict)
     reasons: dict[Pattern, str] = field(default_factory=dict)  # why others were not solved
     calls: dict[Pattern, list[Attempt]] = field(default_factory=dict)  # all that a probe took
-    before: list[Attempt] = field(default_factory=list)  # calls with half as many phases
+    half_calls: list[Attempt] = field(default_factory=list)  # with half as many phases
 
     def ranked(self) -> list[Pattern]:
         """Probed patterns, feasible ones by cost, then the others by violation."""
@@ -153,7 +153,7 @@ class Prober:
         if self._half is None:
             return [*library(legs, phases, symmetry), *others]
         found = self._half.explore(task, self._half._before.promising(), incumbent)
-        explored.before += [*found.before, *(call for calls in found.calls.values() for call in calls)]
+        explored.half_calls += [*found.half_calls, *(call for calls in found.calls.values() for call in calls)]
         return [*(doubled(pattern) for pattern in found.promising()), *others]
 
 

@@ -4,7 +4,7 @@
     <folder>/packs/<digest>.pack                            many parts in one file, see `pack`; made by `compact`
     <folder>/attempts/<unit digest>/<n>.json                attempts that killed the solver
     <folder>/quarantine/                                    parts that were damaged or foreign, each with its reason
-    <folder>/checked.txt                                    what was read and found sound, see `checked`; only a cache
+    <folder>/checked.txt                                    parts that were found sound, see `known_parts`; only a cache
 
 A part is never changed: the first complete file wins. A part that is in `units` and in a pack is the same part.
 """
