@@ -19,8 +19,9 @@ from gaitflow.core.task import AXES
 from gaitflow.core.task_space import TaskSpace
 from gaitflow.export.network import Network
 from gaitflow.runtime.artifact import Artifact
-from gaitflow.runtime.atlas import NEAREST, REACH, SUPPORT, Atlas
+from gaitflow.runtime.atlas import SUPPORT, Atlas
 from gaitflow.runtime.manifest import Manifest
+from gaitflow.runtime.nearby import NEAREST, REACH
 from gaitflow.runtime.tensors import GaitTensors
 from gaitflow.solvers.point import GaitSpace
 

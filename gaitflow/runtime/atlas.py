@@ -28,11 +28,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitflow.core.trajectory import Array
+from gaitflow.runtime.nearby import REACH, EveryNode, weights_of
 from gaitflow.solvers.point import GaitSpace
 
-REACH = 1.5  # steps: nodes further away say nothing about a place
-NEAREST = 1e-6  # steps: the least distance that weights tell apart
 SUPPORT = 0.7  # of a cost that is believed: the nodes' centre is at most 0.45 steps off
+DOUBT = 0.5  # of the spread of the nodes' promises: a cost is seldom further below its prediction
 LARGEST_LOG = 700.0  # of a cost, so that its exponential is a number
 
 
@@ -98,35 +98,33 @@ class Atlas:
         Support is 1 - |m| / REACH, m from the centre of the sheet's nodes to the place as in the rule above: 1 amid or
         upon nodes, less beyond the last ones. Where it is 0 there is no node within reach, and the cost is NaN.
         """
-        every, count = self._every, len(self.sheets)
+        count = len(self.sheets)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            asked = place / self.steps
-            low, high = np.searchsorted(every.places[0], (asked[0] - REACH, asked[0] + REACH))
-            offsets = [column[low:high] - value for column, value in zip(every.places, asked, strict=True)]
-            squared = sum(offset * offset for offset in offsets)
-            near = np.flatnonzero(squared < REACH * REACH)
-            weights, owner = _weights(np.sqrt(squared[near])), every.sheets[low:high][near]
-            total = np.bincount(owner, weights, count)
-            logs, lean = every.logs[low:high][near], np.zeros(count)
-            for offset, slope in zip(offsets, every.slopes, strict=True):
-                own = offset[near]
-                mean = np.bincount(owner, weights * own, count) / total
-                logs = logs - slope[low:high][near] * (own + mean[owner]) / 2
+            near = self._every.near(place / self.steps)
+            total = np.bincount(near.owner, near.weights, count)
+            logs, lean = near.logs, np.zeros(count)
+            for offset, slope in zip(near.offsets, near.slopes, strict=True):
+                mean = np.bincount(near.owner, near.weights * offset, count) / total
+                logs = logs - slope * (offset + mean[near.owner]) / 2
                 lean += mean * mean
-            costs = np.exp(np.clip(np.bincount(owner, weights * logs, count) / total, -LARGEST_LOG, LARGEST_LOG))
+            mixed = np.bincount(near.owner, near.weights * logs, count) / total
+            costs = np.exp(np.clip(mixed, -LARGEST_LOG, LARGEST_LOG))
             return costs, np.where(total > 0, 1 - np.sqrt(lean) / REACH, 0.0)
 
-    def ranked(self, place: Array) -> list[int]:
-        """The sheets with a node within reach of a place, one for each gait; of equal ones the first.
+    def by_cost(self, place: Array) -> list[int]:
+        """The sheets with a node within reach of a place; of equal ones the first.
 
         First those whose cost is believed (support of SUPPORT or more), cheapest first, then the others: where a gait
         lacks nodes it costs more than it seems, or has no motion.
         """
         costs, support = self.costs(place)
+        return [sheet for sheet in np.lexsort((costs, support < SUPPORT)).tolist() if support[sheet] > 0]
+
+    def ranked(self, place: Array) -> list[int]:
+        """The first sheet of each gait, in the order of `by_cost`."""
         best: dict[int, int] = {}
-        for sheet in np.lexsort((costs, support < SUPPORT)).tolist():
-            if support[sheet] > 0:
-                best.setdefault(self.sheets[sheet].gait, sheet)
+        for sheet in self.by_cost(place):
+            best.setdefault(self.sheets[sheet].gait, sheet)
         return list(best.values())
 
     def predict(self, sheet: int, place: Array) -> Prediction | None:
@@ -139,7 +137,7 @@ class Atlas:
         near, offsets = near[:within], offsets[:within]
         coordinates, tangents = nodes.coordinates(near), nodes.tangents(near)
         moved = coordinates - _along(tangents, offsets)
-        weights = _weights(distances[:within])
+        weights = weights_of(distances[:within])
         weights = np.where(np.linalg.norm(moved - moved[0], axis=1) <= chosen.tear, weights, 0.0)
         weights /= weights.sum()
         halfway = (offsets + weights @ offsets) / 2
@@ -158,18 +156,20 @@ class Atlas:
         moved = nodes.coordinates(near) - _along(nodes.tangents(near), offsets)
         return [self._prediction(chosen, float(log), one) for log, one in zip(logs, moved, strict=True)]
 
-    def least_cost(self, sheet: int, place: Array) -> float:
-        """What a sheet may cost at a place, the problem's, where its cost rises ever faster, as before a cliff.
+    def least_costs(self, place: Array) -> Array:
+        """What each sheet may cost at a place at the least, the problem's; infinite where the cost is not believed.
 
-        There the tangents of all nodes promise too little; this is the largest promise of the 2^a nearest nodes within
-        reach. Infinite where the cost is not believed.
+        A prediction is as good as its nodes agree: what it may be off by is DOUBT times the standard deviation, with
+        the nodes' weights, of the logarithms that they promise, each by its whole tangent.
         """
-        if self.costs(place)[1][sheet] < SUPPORT:
-            return float("inf")
-        nodes = self._nodes[sheet]
-        near, offsets, distances = nodes.around(place, 2 ** len(self.axes))
-        promises = (nodes.logs[near] - (offsets * nodes.slopes[near]).sum(axis=1))[distances < REACH]
-        return float(np.exp(min(promises.max(), LARGEST_LOG)))
+        (costs, support), count = self.costs(place), len(self.sheets)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            near = self._every.near(place / self.steps)
+            total = np.bincount(near.owner, near.weights, count)
+            promises = near.logs - sum(offset * slope for offset, slope in zip(near.offsets, near.slopes, strict=True))
+            mean = np.bincount(near.owner, near.weights * promises, count) / total
+            squares = np.bincount(near.owner, near.weights * (promises - mean[near.owner]) ** 2, count)
+            return np.where(support < SUPPORT, np.inf, costs * np.exp(-DOUBT * np.sqrt(squares / total)))
 
     @staticmethod
     def _prediction(sheet: Sheet, log: float, coordinates: Array) -> Prediction:
@@ -181,8 +181,8 @@ class Atlas:
         return [_Nodes(sheet, self.steps) for sheet in self.sheets]
 
     @cached_property
-    def _every(self) -> _EveryNode:
-        return _EveryNode(self._nodes, len(self.axes))
+    def _every(self) -> EveryNode:
+        return EveryNode([(nodes.places, nodes.logs, nodes.slopes) for nodes in self._nodes], len(self.axes))
 
 
 class _Nodes:
@@ -206,29 +206,6 @@ class _Nodes:
     def tangents(self, near: NDArray[np.intp]) -> Array:
         """[near, a, k], a step along each axis."""
         return self._sheet.tangents[near] * self._steps[:, None]
-
-
-class _EveryNode:
-    """The nodes of all sheets as columns, in the order of their first axis, so that few of them are looked at."""
-
-    def __init__(self, sheets: Sequence[_Nodes], axes: int) -> None:
-        if not sheets:
-            self.places = self.slopes = [np.zeros(0)] * axes
-            self.logs, self.sheets = np.zeros(0), np.zeros(0, dtype=np.intp)
-            return
-        places = np.concatenate([nodes.places for nodes in sheets])
-        order = np.argsort(places[:, 0], kind="stable")
-        slopes = np.concatenate([nodes.slopes for nodes in sheets])[order]
-        self.places = [np.ascontiguousarray(column) for column in places[order].T]
-        self.slopes = [np.ascontiguousarray(column) for column in slopes.T]
-        self.logs = np.concatenate([nodes.logs for nodes in sheets])[order]
-        self.sheets = np.repeat(np.arange(len(sheets)), [len(nodes.logs) for nodes in sheets])[order]
-
-
-def _weights(distances: Array) -> Array:
-    closeness = (REACH - distances) / (REACH * np.maximum(distances, NEAREST))
-    weights: Array = closeness * closeness * closeness
-    return weights
 
 
 def _along(tangents: Array, offsets: Array) -> Array:

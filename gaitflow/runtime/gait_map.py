@@ -92,7 +92,8 @@ class GaitMap:
         probabilities = self._probabilities(place)
         candidates = self._candidates(place, probabilities)
         first = candidates[0]
-        ranked = tuple([(self._names[each.gait], probabilities[each.gait]) for each in candidates])
+        gaits = dict.fromkeys(each.gait for each in candidates)
+        ranked = tuple([(self._names[each], probabilities[each]) for each in gaits])
         gait, probability = ranked[0]
         pattern = self._artifact.pattern(first.gait, first.sheet)
         return Choice(task, inside, gait, pattern, probability, ranked, self._warm_start, self._distance)
@@ -130,10 +131,11 @@ class GaitMap:
         """A motion for one task, refined from a predicted start; needs gaitflow[solve].
 
         Tried first is the gait that `select` names; gaits that the atlas does not know at this task come last, by their
-        probability. If one does not refine to a feasible motion the next is tried, `top` gaits at most, and the plan
-        says so. `beyond` plans outside the map's domain, too: what comes out is checked all the same, and a plan that
-        is not feasible says so. Raises OutOfDomain outside the domain otherwise, and for a task that is not physical;
-        ValueError as `select`; ImportError without CasADi; ArtifactError when the map's problem cannot be had.
+        probability. If one does not refine to a feasible motion, by none of its full patterns that the atlas knows
+        here, the next is tried, `top` gaits at most, and the plan says so. `beyond` plans outside the map's domain,
+        too: what comes out is checked all the same, and a plan that is not feasible says so. Raises OutOfDomain outside
+        the domain otherwise, and for a task that is not physical; ValueError as `select`; ImportError without CasADi;
+        ArtifactError when the map's problem cannot be had.
         """
         started = time.perf_counter()
         if isinstance(top, bool) or not isinstance(top, int) or top < 1:
@@ -145,8 +147,13 @@ class GaitMap:
         refiner = self._refiner()
         place = self._place(values)
         probabilities = self._probabilities(place)
-        candidates = self._candidates(place, probabilities)[:top]
-        ranked = [(each, self.manifest.gaits[each.gait], probabilities[each.gait]) for each in candidates]
+        candidates = self._candidates(place, probabilities)
+        first = list(dict.fromkeys(each.gait for each in candidates))[:top]
+        ranked = [
+            (each, self.manifest.gaits[each.gait], probabilities[each.gait])
+            for each in candidates
+            if each.gait in first
+        ]
         task = self.manifest.space.task({axis: values[axis] for axis in self.axes})
         return refine_ranked(refiner, ranked, Asked(task, values, inside, domain.distance(values), started))
 
@@ -170,12 +177,12 @@ class GaitMap:
         return row
 
     def _candidates(self, place: Array, probabilities: list[float]) -> list[Candidate]:
-        """Every gait once, in the order in which it is chosen and tried.
+        """Every gait, by each of its full patterns that the atlas knows here, in the order of choosing and trying.
 
-        Gaits that the atlas knows by predicted cost, its believed ones first; then the others by probability.
+        What the atlas knows by predicted cost, what it believes first; then the other gaits by probability.
         """
         atlas = self._artifact.atlas
-        known = [Candidate(atlas.sheets[sheet].gait, sheet) for sheet in atlas.ranked(place)]
+        known = [Candidate(atlas.sheets[sheet].gait, sheet) for sheet in atlas.by_cost(place)]
         gaits = {each.gait for each in known}
         likeliest = sorted(range(len(probabilities)), key=probabilities.__getitem__, reverse=True)
         return known + [Candidate(gait, None) for gait in likeliest if gait not in gaits]

@@ -1,9 +1,10 @@
-"""A plan for one task: the gait that is predicted to cost least, refined; the next one when that fails."""
+"""A plan for one task: the gait that is predicted to cost least, refined; the next one when that fails.
+
+A gait may be realised by several full patterns, of which each has a prediction of its own and is a candidate.
+"""
 
 from __future__ import annotations
 
-import itertools
-import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,10 +12,9 @@ from dataclasses import dataclass
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Trajectory
 from gaitflow.runtime.manifest import Gait
-from gaitflow.runtime.refine import FAST, Attempt, Candidate, Refiner
+from gaitflow.runtime.refine import Attempt, Candidate, Refiner
 
-LEAST_SAVING = 1e-3  # relative cost that another gait must promise to save
-OFF = 1e-2  # relative error of a predicted cost, above which the other gaits' may be as far off
+LEAST_SAVING = 1e-3  # relative cost that another candidate must promise, and come, to save
 
 
 @dataclass(frozen=True)
@@ -24,12 +24,12 @@ class Plan(Trajectory):
     task: speed [m/s], cycle_duration [s] and the map's other ranged axes. cost in the scenario's units; violation is
     the worst scaled constraint violation, found by `gaitflow.core.check` and not by the solver; `feasible` means at
     most 1e-6. path: "fast" when the first gait was refined by Newton steps from its prediction, "fallback" when IPOPT
-    had to, "next:<n>" when the n-th gait after it was the first to refine,
-    "cheaper:<n>" when that one was refined, too, and costs less than the first, which came out dearer than predicted,
-    "failed" when none of `tried` converged to a feasible motion: then the motion is the least infeasible one, and
-    feasible all the same when only optimality was not reached. tried: each gait with its outcome, in order.
-    iterations over all tried. distance: to the nearest training task, in steps of the map's grid. time_ms is wall time
-    of the whole call; select_ms of choosing the gaits, predict_ms and refine_ms of their starts and solves.
+    had to, "next:<n>" when the n-th gait after it was the first to refine, "cheaper:<n>" when that one was refined
+    after another one, and costs less, "failed" when none of `tried` converged to a feasible motion: then the motion is
+    the least infeasible one, and feasible all the same when only optimality was not reached. tried: gaits with their
+    outcomes, in order, a gait once for each of its full patterns that was tried. iterations over all tried.
+    distance: to the nearest training task, in steps of the map's grid. time_ms is wall time of the whole call;
+    select_ms of choosing the gaits, predict_ms and refine_ms of their starts and solves.
     """
 
     task: Mapping[str, float]
@@ -62,20 +62,23 @@ class Asked:
 
 
 def refine_ranked(refiner: Refiner, ranked: Sequence[tuple[Candidate, Gait, float]], asked: Asked) -> Plan:
-    """Refine the gaits (candidate, gait, probability) in order until one converges to a feasible motion.
+    """Refine the candidates (candidate, gait, probability) in order until one converges to a feasible motion.
 
-    Where another one may cost less than that came to, it is refined as well, and the cheaper one taken: before a cliff
-    of the cost, predictions are far off. So it is where the first one's prediction was off by more than what another
-    one was predicted to cost beyond it.
-    IPOPT is asked only when the fast method has failed for all of them: where the first gait has no motion, as beyond
-    its longest stride, it takes a second to find that out, and a planner cannot wait for it.
+    Those behind it that may cost less than that came to are refined as well, and the cheapest one is taken if it does:
+    before a cliff of the cost and across its kinks predictions are far off, and their nodes disagree.
+    IPOPT is asked only when the fast method has failed for all of them, once a gait: where the first gait has no
+    motion, as beyond its longest stride, it takes a second to find that out, and a planner cannot wait for it.
     """
     selected = time.perf_counter()
-    attempts = list(_attempts(refiner, [candidate for candidate, _, _ in ranked], asked))
+    candidates = [candidate for candidate, _, _ in ranked]
+    attempts = list(_attempts(refiner, candidates, asked.task))
     best, attempt = min(attempts, key=_merit)
+    first, solved = next((each for each in attempts if each[1].refined), (best, attempt))
+    if attempt.cost > solved.cost * (1 - LEAST_SAVING):  # of gaits that tie, the one that `select` names
+        best, attempt = first, solved
     _, gait, probability = ranked[best]
     last = {place: done for place, done in attempts}
-    first = next((place for place, done in attempts if done.refined), best)
+    gaits = list(dict.fromkeys(candidate.gait for candidate in candidates))
     return Plan(
         **vars(attempt.trajectory),
         task=asked.values,
@@ -88,7 +91,7 @@ def refine_ranked(refiner: Refiner, ranked: Sequence[tuple[Candidate, Gait, floa
         feasible=attempt.feasible,
         violation=attempt.violation,
         iterations=sum(done.iterations for _, done in attempts),
-        path=_path(attempt, best, first),
+        path=_path(attempt, gaits.index(candidates[best].gait), gaits.index(candidates[first].gait)),
         tried=tuple((ranked[place][1].name, _outcome(last[place])) for place in sorted(last)),
         select_ms=(selected - asked.started) * 1e3,
         predict_ms=sum(done.predict_ms for _, done in attempts),
@@ -97,23 +100,31 @@ def refine_ranked(refiner: Refiner, ranked: Sequence[tuple[Candidate, Gait, floa
     )
 
 
-def _attempts(refiner: Refiner, candidates: Sequence[Candidate], asked: Asked) -> Iterator[tuple[int, Attempt]]:
-    for refine, place in itertools.product((refiner.fast, refiner.fallback), range(len(candidates))):
-        attempt = refine(candidates[place], asked.task)
+def _attempts(refiner: Refiner, candidates: Sequence[Candidate], task: Task) -> Iterator[tuple[int, Attempt]]:
+    for place, candidate in enumerate(candidates):
+        attempt = refiner.fast(candidate, task)
         yield place, attempt
         if attempt.refined:
-            break
-    rivals = range(place + 1, len(candidates)) if attempt.refined and attempt.method == FAST else ()
-    least = {rival: refiner.least(candidates[rival], asked.task) for rival in rivals}
-    if least and min(least.values()) < _worth_a_look(attempt):
-        rival = min(rivals, key=least.__getitem__)
-        yield rival, refiner.fast(candidates[rival], asked.task, most=1)
+            yield from _cheaper(refiner, candidates, place, attempt.cost, task)
+            return
+    first = {candidate.gait: place for place, candidate in reversed(list(enumerate(candidates)))}
+    for place in sorted(first.values()):
+        attempt = refiner.fallback(candidates[place], task)
+        yield place, attempt
+        if attempt.refined:
+            return
 
 
-def _worth_a_look(attempt: Attempt) -> float:
-    """The cost below which another gait's promise is looked at: where this one's was off, the other may be as well."""
-    off = abs(attempt.cost / attempt.expected - 1) if attempt.expected > 0 else 0.0
-    return attempt.cost * (1 - LEAST_SAVING) * (1 + (off if OFF < off < math.inf else 0.0))
+def _cheaper(
+    refiner: Refiner, candidates: Sequence[Candidate], solved: int, cost: float, task: Task
+) -> Iterator[tuple[int, Attempt]]:
+    """One try for each candidate behind the solved one that may cost less than the cheapest so far."""
+    for place, least in enumerate(refiner.least(candidates[solved + 1 :], task), solved + 1):
+        if least < cost * (1 - LEAST_SAVING):
+            attempt = refiner.fast(candidates[place], task, most=1)
+            yield place, attempt
+            if attempt.refined:
+                cost = min(cost, attempt.cost)
 
 
 def _merit(each: tuple[int, Attempt]) -> tuple[bool, float]:
@@ -126,9 +137,9 @@ def _path(attempt: Attempt, best: int, first: int) -> str:
     """`first` is the place of the first gait that refined, `best` of the one taken, by this attempt."""
     if not attempt.refined:
         return "failed"
-    if best != first:
-        return f"cheaper:{best}"
-    return f"next:{best}" if best else attempt.method
+    if best == 0:
+        return attempt.method
+    return f"next:{best}" if best == first else f"cheaper:{best}"
 
 
 def _outcome(attempt: Attempt) -> str:

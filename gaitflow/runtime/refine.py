@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,14 +26,13 @@ from gaitflow.solvers.point import GaitSpace, Point
 from gaitflow.solvers.program import Program
 
 FAST, FALLBACK = "fast", "fallback"
-# Barriers and limits of iterations of the tries, by what they start from. Far starts take a higher barrier. Of 400 near
-# solves the first try, with a matrix of the right inertia, found 94 %, of which 0.5 % were 0.1 % dearer than the best
-# known; without looking after the inertia 4.8 %. Of the 6 % the second one found 92 %, more than any other.
-PREDICTED_LIMIT = 25  # at the barrier of the atlas
-PRIMAL_BARRIER, PRIMAL_LIMIT = 1e-2, 30  # the prediction without its multipliers
-NODE_BARRIER, NODE_LIMIT = 1e-3, 25
-MEAN_BARRIER, MEAN_LIMIT = 1e-2, 30
-NODES = 2  # nearest nodes that are started from
+# Barriers of the tries, by what they start from. Far starts take a higher barrier. Of 400 near solves the first try,
+# with a matrix of the right inertia, found 94 %, of which 0.5 % were 0.1 % dearer than the best known; without looking
+# after the inertia 4.8 %. Of the 6 % the second one found 92 %, more than any other.
+PRIMAL_BARRIER = 1e-2  # the prediction without its multipliers
+NODE_BARRIER = 1e-3
+MEAN_BARRIER = 1e-2
+LIMIT = 60  # iterations of a try: near cliffs some need twice the usual 25, and another start takes as many again
 LEAST_COST = 1e-9
 
 
@@ -41,15 +40,13 @@ LEAST_COST = 1e-9
 class Attempt:
     """One gait refined: what came out, for which full pattern, our own verdict on it, and what the solver said.
 
-    cost in the scenario's units, expected the one that was predicted (NaN where nothing was); violation is the worst
-    scaled one (gaitflow.core.check). method: "fast" or "fallback". iterations are Newton's and IPOPT's. predict_ms and
-    refine_ms are wall times, checking included.
+    cost in the scenario's units; violation is the worst scaled one (gaitflow.core.check). method: "fast" or "fallback".
+    iterations are Newton's and IPOPT's. predict_ms and refine_ms are wall times, checking included.
     """
 
     trajectory: Trajectory
     pattern: str
     cost: float
-    expected: float
     violation: float
     iterations: int
     solver_status: str
@@ -92,8 +89,8 @@ class Refiner:
         for number, sheet in enumerate(atlas.sheets):
             self.method(Candidate(sheet.gait, number))
 
-    def fast(self, candidate: Candidate, task: Task, most: int = 2 + NODES) -> Attempt:
-        """Solve for a task by the fast method: from the prediction, with and without its multipliers, then from nodes.
+    def fast(self, candidate: Candidate, task: Task, most: int = 3) -> Attempt:
+        """Solve for a task by the fast method: from the prediction, with and without its multipliers, then from a node.
 
         A candidate that the atlas does not know is solved from the mean of its region. `most` is how many tries there
         may be. Where it does not converge the motion is the last try's.
@@ -102,9 +99,9 @@ class Refiner:
         parameters, method = task.parameters, self.method(candidate)
         tries = self._tries(candidate, method.space, task)
         first = next(tries)
-        run = _Run(candidate, task, first.unit if first.predicted else np.nan, started, time.perf_counter())
+        run = _Run(candidate, task, started, time.perf_counter())
         for each in itertools.islice(itertools.chain([first], tries), most):
-            outcome = method.follow(parameters, each.start, each.unit, each.barrier, each.limit, each.predicted)
+            outcome = method.follow(parameters, each.start, each.unit, each.barrier, LIMIT, each.predicted)
             run.iterations += outcome.iterations
             status = CONVERGED[0] if outcome.converged else "not converged"
             if outcome.converged:
@@ -113,18 +110,17 @@ class Refiner:
                     return attempt
         return self._judged(run, outcome.w, outcome.cost, status, FAST)
 
-    def least(self, candidate: Candidate, task: Task) -> float:
-        """What a candidate may cost at a task at the least, in the scenario's units; infinite when nobody knows."""
-        if candidate.sheet is None:
-            return float("inf")
-        return self._atlas.least_cost(candidate.sheet, self._place(task)) * self._manifest.cost_scale
+    def least(self, candidates: Sequence[Candidate], task: Task) -> list[float]:
+        """What candidates may cost at a task at the least, in the scenario's units; infinite when nobody knows."""
+        costs = self._atlas.least_costs(self._place(task)) * self._manifest.cost_scale
+        return [float("inf") if each.sheet is None else float(costs[each.sheet]) for each in candidates]
 
     def fallback(self, candidate: Candidate, task: Task) -> Attempt:
         """Solve for a task by IPOPT: from the prediction, then from the mean of the region."""
         started = time.perf_counter()
         parameters, space = task.parameters, self._space(candidate)
         first = next(self._tries(candidate, space, task))
-        run = _Run(candidate, task, first.unit if first.predicted else np.nan, started, time.perf_counter())
+        run = _Run(candidate, task, started, time.perf_counter())
         mean = self._tensors.mean(candidate.gait)
         starts = [mean] if candidate.sheet is None else [space.join(first.start, first.unit), mean]
         for primal, bounds, rows in starts:
@@ -163,14 +159,15 @@ class Refiner:
             predicted = self._atlas.predict(candidate.sheet, place)
             if predicted is not None:
                 point = space.decode(predicted.point)
-                yield _Try(point, predicted.cost, self._atlas.barrier, PREDICTED_LIMIT, predicted=True)
-                yield _Try(_primal(point), predicted.cost, PRIMAL_BARRIER, PRIMAL_LIMIT)
-            for node in self._atlas.nearest(candidate.sheet, place, NODES):
-                yield _Try(space.decode(node.point), node.cost, NODE_BARRIER, NODE_LIMIT)
+                yield _Try(point, predicted.cost, self._atlas.barrier, predicted=True)
+                yield _Try(_primal(point), predicted.cost, PRIMAL_BARRIER)
+            # The nearest node says little that is new: the prediction is mostly its own.
+            node = self._atlas.nearest(candidate.sheet, place, 2)[-1]
+            yield _Try(space.decode(node.point), node.cost, NODE_BARRIER)
             return
         primal, bounds, rows = self._tensors.mean(candidate.gait)
         unit = max(self._problem.cost(primal, task.parameters), LEAST_COST)
-        yield _Try(space.split(primal, bounds, rows, unit), unit, MEAN_BARRIER, MEAN_LIMIT)
+        yield _Try(space.split(primal, bounds, rows, unit), unit, MEAN_BARRIER)
 
     def _judged(self, run: _Run, w: Array, cost: float, status: str, method: str) -> Attempt:
         manifest = self._manifest
@@ -180,7 +177,6 @@ class Refiner:
             trajectory=trajectory,
             pattern=pattern,
             cost=cost * manifest.cost_scale,
-            expected=run.expected * manifest.cost_scale,
             violation=check.worst(manifest.scenario, trajectory, run.task, pattern),
             iterations=run.iterations,
             solver_status=status,
@@ -201,7 +197,6 @@ class _Try:
     start: Point
     unit: float  # the cost that is expected
     barrier: float
-    limit: int
     predicted: bool = False  # for this task, unit and all: then each step looks after the matrix's inertia
 
 
@@ -209,7 +204,6 @@ class _Try:
 class _Run:
     candidate: Candidate
     task: Task
-    expected: float  # cost, the problem's
     started: float
     ready: float
     iterations: int = 0

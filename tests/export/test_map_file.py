@@ -13,7 +13,8 @@ from gaitflow.core.task import AXES
 from gaitflow.export import Exported
 from gaitflow.export.export import MAP
 from gaitflow.runtime.artifact import load_artifact
-from gaitflow.runtime.atlas import NEAREST, REACH, SUPPORT
+from gaitflow.runtime.atlas import SUPPORT
+from gaitflow.runtime.nearby import NEAREST, REACH
 from gaitflow.solvers.point import GaitSpace
 
 

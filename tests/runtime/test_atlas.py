@@ -10,7 +10,8 @@ from sheets import AXES, STEPS, Values, atlas, grid, sheet, sheet_of
 from tiny_map import TinyMap
 
 from gaitflow.atlas.grow import Growth
-from gaitflow.runtime.atlas import REACH, SUPPORT, Atlas, Sheet
+from gaitflow.runtime.atlas import DOUBT, SUPPORT, Atlas, Sheet
+from gaitflow.runtime.nearby import REACH
 
 inner = st.tuples(st.floats(1.0, 3.0), st.floats(1.0, 3.0))
 coefficients = st.lists(st.floats(-2, 2), min_size=6, max_size=6)
@@ -126,33 +127,36 @@ def test_ranked_has_one_sheet_a_gait_the_believed_and_cheap_first() -> None:
     assert made.ranked(np.array([0.5, 2.0]) * STEPS) == [2, 1]
     assert made.ranked(np.array([1.9, 2.0]) * STEPS) == [1, 2], "little speaks for the other gait"
     assert made.ranked(np.array([3.5, 2.0]) * STEPS) == [1]
+    assert made.by_cost(np.array([1.9, 2.0]) * STEPS) == [1, 0, 2], "all sheets of all gaits"
     assert made.ranked(np.array([9.0, 9.0]) * STEPS) == []
     assert atlas(cheap, cheap).ranked(np.array([1.5, 1.5]) * STEPS) == [0], "of equal ones the first"
 
 
-@given(inner, st.lists(st.tuples(*[st.floats(-4, 4)] * 3), min_size=1, max_size=4))
-def test_a_cost_that_rises_ever_faster_is_never_promised_too_dear(
-    place: tuple[float, float], planes: list[tuple[float, float, float]]
-) -> None:
-    def steepest(x: float, y: float) -> tuple[float, float, float]:
-        return max(planes, key=lambda plane: plane[0] + plane[1] * x + plane[2] * y)
+@given(inner, coefficients)
+def test_where_nodes_agree_a_cost_is_not_doubted(place: tuple[float, float], c: list[float]) -> None:
+    made = atlas(sheet_of(*quadratic([*c[:3], 0, 0, 0])))
+    costs, _ = made.costs(np.array(place) * STEPS)
+    assert made.least_costs(np.array(place) * STEPS) == pytest.approx(costs, rel=1e-5)
 
-    def value(x: float, y: float) -> float:
-        c, a, b = steepest(x, y)
-        return c + a * x + b * y
 
-    made = atlas(sheet_of(value, lambda x, y: steepest(x, y)[1:]))
-    least = np.log(made.least_cost(0, np.array(place) * STEPS))
-    assert least <= value(*place) + 1e-6
-    if len(planes) == 1:
-        assert least == pytest.approx(value(*place), abs=1e-6)
+@given(st.floats(0, 4), st.floats(0, 4))
+def test_across_a_kink_a_cost_may_be_less_by_as_much_as_nodes_disagree(left: float, right: float) -> None:
+    made = atlas(
+        sheet_of(lambda x, y: 1.0, lambda x, y: (left if x < 1 else -right, 0.0), places=[(0, 0), (1, 0)]),
+        sheet_of(*constant(1.0), places=[(0, 0), (1, 0)], gait=1),
+    )
+    half_way = np.array([0.5, 0.0]) * STEPS
+    costs, _ = made.costs(half_way)
+    promises = 1 + left / 2, 1 + right / 2
+    spread = abs(promises[0] - promises[1]) / 2
+    assert np.log(made.least_costs(half_way)) == pytest.approx(np.log(costs) - [DOUBT * spread, 0], abs=1e-6)
 
 
 def test_without_belief_nothing_is_promised() -> None:
     made = atlas(sheet_of(*constant(1.0), places=[(0, 0), (0, 1)]))
-    assert made.least_cost(0, np.array([0.1, 0.5]) * STEPS) == pytest.approx(np.e)
-    assert made.least_cost(0, np.array([1.0, 0.5]) * STEPS) == np.inf
-    assert made.least_cost(0, np.array([9.0, 0.5]) * STEPS) == np.inf
+    assert made.least_costs(np.array([0.1, 0.5]) * STEPS) == pytest.approx([np.e])
+    assert made.least_costs(np.array([1.0, 0.5]) * STEPS) == [np.inf]
+    assert made.least_costs(np.array([9.0, 0.5]) * STEPS) == [np.inf]
 
 
 def test_nearest_nodes_come_nearest_first_by_their_tangents() -> None:
@@ -179,7 +183,7 @@ def test_any_number_of_axes(axes: tuple[str, ...]) -> None:
         assert np.log(made.predict(0, place * steps).cost) == pytest.approx(place @ slope)
         costs, support = made.costs(place * steps)
         assert np.log(costs[0]) == pytest.approx(place @ slope) and support[0] > SUPPORT
-        assert np.log(made.least_cost(0, place * steps)) == pytest.approx(place @ slope)
+        assert np.log(made.least_costs(place * steps)) == pytest.approx([place @ slope])
 
 
 def test_a_part_of_the_gaits_is_renumbered() -> None:
@@ -194,7 +198,7 @@ def test_however_far_a_place_nothing_is_an_accident() -> None:
     for far in ((1e300, 0.0), (0.5, -1.7e308), (1e300, 1e300)):
         place = np.array(far)
         assert made.ranked(place) == [] and made.predict(0, place) is None
-        assert len(made.nearest(0, place, 2)) == 2 and made.least_cost(0, place) == np.inf
+        assert len(made.nearest(0, place, 2)) == 2 and made.least_costs(place) == [np.inf]
     empty = Atlas.empty(AXES)
     assert empty.ranked(np.array([0.5, 0.5])) == []
 

@@ -78,7 +78,7 @@ def refused_or_sound(content: bytes) -> None:
                 made.sheets[number].space.decode(found.point)
             for number in range(len(made.sheets)):
                 made.nearest(number, place, 2)
-                made.least_cost(number, place)
+            made.least_costs(place)
 
 
 @given(st.lists(st.tuples(positions, st.integers(0, 7)), min_size=1, max_size=4))

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import dataclasses
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -42,8 +42,7 @@ def bare(tiny: TinyMap) -> TinyMap:
 @pytest.fixture
 def slow(monkeypatch: pytest.MonkeyPatch) -> None:
     """The fast method has no iterations to spend."""
-    for limit in ("PREDICTED_LIMIT", "PRIMAL_LIMIT", "NODE_LIMIT", "MEAN_LIMIT"):
-        monkeypatch.setattr(refine, limit, 0)
+    monkeypatch.setattr(refine, "LIMIT", 0)
 
 
 def _checked(problem: GaitProblem, plan: Plan, speed: float, cycle: float) -> float:
@@ -185,7 +184,10 @@ def test_a_solver_that_throws_costs_one_start(artifact: Path, monkeypatch: pytes
 
 
 class Scripted:
-    """A refiner whose solves end as told: (violation, solver status) by gait, of the fast method and of IPOPT."""
+    """A refiner whose solves end as told: (violation, solver status) by candidate, of the fast method and of IPOPT.
+
+    A candidate's number is its sheet, or its gait where it has none.
+    """
 
     def __init__(
         self,
@@ -194,39 +196,33 @@ class Scripted:
         fallback: list[tuple[float, str]],
         least: tuple[float, ...] = (np.inf, np.inf),
         costs: tuple[float, ...] = (10.0, 11.0),
-        expected: float = np.nan,
     ) -> None:
         start = gait_map.select(0.9, 0.6).warm_start
         self._fields = {field.name: getattr(start, field.name) for field in dataclasses.fields(Trajectory)}
         self._ends = {"fast": fast, "fallback": fallback}
-        self._least, self._costs, self._expected = least, costs, expected
+        self._least, self._costs = least, costs
         self.calls: list[tuple[str, int]] = []
 
-    def _end(self, method: str, gait: int) -> Attempt:
-        self.calls.append((method, gait))
-        violation, status = self._ends["fast" if method == "look" else method][gait]
+    @staticmethod
+    def _number(candidate: Candidate) -> int:
+        return candidate.gait if candidate.sheet is None else candidate.sheet
+
+    def _end(self, method: str, candidate: Candidate) -> Attempt:
+        number = self._number(candidate)
+        self.calls.append((method, number))
         method = "fast" if method == "look" else method
-        return Attempt(
-            Trajectory(**self._fields),
-            "0110/1100",
-            self._costs[gait],
-            self._expected,
-            violation,
-            7,
-            status,
-            method,
-            0.5,
-            1.5,
-        )
+        violation, status = self._ends[method][number]
+        trajectory, cost = Trajectory(**self._fields), self._costs[number]
+        return Attempt(trajectory, "0110/1100", cost, violation, 7, status, method, 0.5, 1.5)
 
-    def fast(self, candidate: Candidate, task: Task, most: int = 4) -> Attempt:
-        return self._end("fast" if most > 1 else "look", candidate.gait)
+    def fast(self, candidate: Candidate, task: Task, most: int = 3) -> Attempt:
+        return self._end("fast" if most > 1 else "look", candidate)
 
-    def least(self, candidate: Candidate, task: Task) -> float:
-        return self._least[candidate.gait]
+    def least(self, candidates: Sequence[Candidate], task: Task) -> list[float]:
+        return [self._least[self._number(each)] for each in candidates]
 
     def fallback(self, candidate: Candidate, task: Task) -> Attempt:
-        return self._end("fallback", candidate.gait)
+        return self._end("fallback", candidate)
 
 
 GOOD, LIMIT = "Solve_Succeeded", "Maximum_Iterations_Exceeded"
@@ -313,25 +309,47 @@ def test_another_gait_is_looked_at_where_it_may_be_cheaper(
 
 
 @pytest.mark.parametrize(
-    ("expected", "calls"),
+    ("least", "costs", "gait", "path", "looks"),
     [
-        # The other gait promises to cost 3 % more than the first one came to: looked at only where the first one's
-        # prediction was wrong by more than that.
-        (np.nan, [FAST_0]),
-        (10.0, [FAST_0]),
-        (9.8, [FAST_0]),
-        (9.5, [FAST_0, LOOK_1]),
-        (10.6, [FAST_0, LOOK_1]),
+        ((9.0, 9.5, 9.8), (10.0, 11.0, 9.7), "gallop", "cheaper:1", [1, 2]),
+        # Of gaits that tie the first one is kept, which is the one that `select` names.
+        ((9.0, 9.5, 9.8), (10.0, 10.5, 9.995), "walking", "fast", [1, 2]),
+        # What a look has found is what the next one has to promise to be cheaper than.
+        ((9.0, 9.5, 9.8), (10.0, 9.6, 9.7), "walking", "fast", [1]),
+        ((9.0, 10.5, 9.8), (10.0, 9.6, 9.7), "gallop", "cheaper:1", [2]),
     ],
 )
-def test_where_a_prediction_was_wrong_the_others_may_be_too(
-    gait_map: GaitMap, expected: float, calls: list[tuple[str, int]]
+def test_all_that_may_be_cheaper_are_looked_at(
+    gait_map: GaitMap, least: tuple, costs: tuple, gait: str, path: str, looks: list[int]
 ) -> None:
-    ranked = [(Candidate(n, None), each, 0.5) for n, each in enumerate(gait_map.gaits)]
-    scripted = Scripted(gait_map, [SOLVED, SOLVED], [LOST, LOST], (np.inf, 10.3), (10.0, 9.9), expected)
+    walking, gallop = gait_map.gaits
+    ranked = [(Candidate(0, 0), walking, 0.5), (Candidate(0, 1), walking, 0.5), (Candidate(1, 2), gallop, 0.4)]
+    scripted = Scripted(gait_map, [SOLVED] * 3, [LOST] * 3, least, costs)
     plan = refine_ranked(scripted, ranked, Asked(TASK, VALUES, True, 0.0, 0.0))
+    assert (plan.gait, plan.path) == (gait, path)
+    assert plan.cost == pytest.approx(min(costs[0], *(costs[look] for look in looks)), rel=1e-3)
+    assert scripted.calls == [FAST_0, *(("look", look) for look in looks)]
+
+
+@pytest.mark.parametrize(
+    ("fast", "fallback", "gait", "path", "calls"),
+    [
+        ([LOST, SOLVED, SOLVED], [LOST] * 3, "walking", "fast", [FAST_0, FAST_1]),
+        ([LOST, LOST, SOLVED], [LOST] * 3, "gallop", "next:1", [FAST_0, FAST_1, ("fast", 2)]),
+        # IPOPT is asked once a gait.
+        ([LOST] * 3, [LOST, LOST, SOLVED], "gallop", "next:1", [FAST_0, FAST_1, ("fast", 2), SLOW_0, ("fallback", 2)]),
+    ],
+)
+def test_a_gait_is_tried_by_its_other_full_patterns_before_the_next_gait(
+    gait_map: GaitMap, fast: list, fallback: list, gait: str, path: str, calls: list[tuple[str, int]]
+) -> None:
+    walking, gallop = gait_map.gaits
+    ranked = [(Candidate(0, 0), walking, 0.5), (Candidate(0, 1), walking, 0.5), (Candidate(1, 2), gallop, 0.4)]
+    scripted = Scripted(gait_map, fast, fallback, (np.inf,) * 3, (10.0, 11.0, 12.0))
+    plan = refine_ranked(scripted, ranked, Asked(TASK, VALUES, True, 0.0, 0.0))
+    assert (plan.gait, plan.path) == (gait, path)
     assert scripted.calls == calls
-    assert plan.gait == ("walking" if calls == [FAST_0] else "gallop")
+    assert [name for name, _ in plan.tried] == ["walking", "walking", "gallop"][: len(plan.tried)]
 
 
 @pytest.mark.parametrize("top", [0, -1, 1.5, "2", None, True])

@@ -11,7 +11,7 @@ from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime import GaitMap
 from gaitflow.runtime.atlas import Atlas, Prediction
-from gaitflow.runtime.refine import NODES, PREDICTED_LIMIT, Attempt, Candidate, Refiner
+from gaitflow.runtime.refine import LIMIT, Attempt, Candidate, Refiner
 from gaitflow.solvers.options import CONVERGED
 
 WALKING, GALLOP = 0, 1
@@ -43,7 +43,6 @@ def test_all_ways_lead_to_one_optimum(refiner: Refiner, tiny: TinyMap, gait: int
         assert attempt.cost == pytest.approx(attempts[0].cost, rel=1e-6)
         assert attempt.pattern == tiny.starts[gait].pattern
         assert attempt.predict_ms > 0 and attempt.refine_ms > 0
-    assert attempts[0].expected == pytest.approx(attempts[0].cost, rel=0.1) and np.isnan(attempts[2].expected)
     assert attempts[0].iterations < attempts[2].iterations, "a prediction is nearer than the mean"
 
 
@@ -60,7 +59,7 @@ def test_nodes_nearby_help_where_the_prediction_misleads(
 
 def test_what_no_try_solves_is_told_as_it_is(refiner: Refiner, tiny: TinyMap, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Atlas, "predict", lost_prediction)
-    wrong = [lost_prediction(tiny.atlas, 1, TASK)] * NODES
+    wrong = [lost_prediction(tiny.atlas, 1, TASK)]
     monkeypatch.setattr(Atlas, "nearest", lambda *arguments: wrong)
     attempt = refiner.fast(Candidate(GALLOP, 1), TASK)
     assert not attempt.refined and attempt.solver_status == "not converged"
@@ -83,4 +82,11 @@ def test_a_gait_has_one_matrix_however_it_came_to_be_asked(refiner: Refiner) -> 
     first = refiner.method(Candidate(GALLOP, 1))
     assert refiner.method(Candidate(GALLOP, 1)) is first
     assert refiner.method(Candidate(GALLOP, None)) is not first
-    assert refiner.fast(Candidate(GALLOP, 1), TASK).iterations <= PREDICTED_LIMIT
+    assert refiner.fast(Candidate(GALLOP, 1), TASK).iterations <= LIMIT
+
+
+def test_what_a_gait_may_cost_at_the_least_is_near_what_it_costs(refiner: Refiner) -> None:
+    predicted, from_mean = Candidate(GALLOP, 1), Candidate(GALLOP, None)
+    least, unknown = refiner.least([predicted, from_mean], TASK)
+    assert 0.5 * refiner.fast(predicted, TASK).cost < least < 1.01 * refiner.fast(predicted, TASK).cost
+    assert unknown == np.inf
