@@ -19,7 +19,7 @@ from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, Sheet
 
 LARGEST = {2: 2_700_000, 3: 6_500_000}  # bytes of an atlas of two axes, in the plane and in space
-FURTHER_AXIS = 3  # times as many, for each axis beyond two
+FURTHER_AXIS = 3.9  # times as many, for each axis beyond two
 MOST_MODES = 128  # of a pattern
 NAMES = 2000  # bytes of the names and shapes of a pattern's arrays
 # What an error of a prediction counts: Newton's method finds the multipliers of rows by itself in its first step, and a
@@ -39,7 +39,7 @@ def build_atlas(growth: Growth, gaits: Sequence[int], largest: int | None = None
     numbers = [number for number, nodes in enumerate(growth.nodes) if nodes]
     sheets = [_analysed(growth, number) for number in numbers]
     if largest is None:
-        largest = LARGEST[growth.problem.layout.dimension] * FURTHER_AXIS ** max(len(growth.domain.axes) - 2, 0)
+        largest = int(LARGEST[growth.problem.layout.dimension] * FURTHER_AXIS ** max(len(growth.domain.axes) - 2, 0))
     counts = _mode_counts(sheets, largest)
     built = tuple(
         _sheet(growth, number, gaits[number], sheet, count)

@@ -19,12 +19,13 @@ from gaitflow.runtime.atlas import Atlas
 from gaitflow.solvers.interior_point import Outcome
 
 ROUNDS = 3
-MOST_TESTS = 1000
+MOST_TESTS = 1000  # on two axes
+FURTHER_AXIS = 3  # times as many, for each axis beyond two
 GOOD = 8  # iterations that a prediction may need
-LIMIT = 18  # of a plan's first try
+LIMIT = 18  # iterations beyond which a prediction led nowhere
 WRONG = 0.02  # relative error of a predicted cost that is not good
 LEAST_ERROR = 1e-6  # of what took too many iterations
-RIVAL = 1.1  # times the least predicted cost: gaits that might be the cheapest
+RIVAL = 1.1  # times the least predicted cost: what may cost less might be the cheapest
 RIVALS = 4
 DECIMALS = 9
 
@@ -48,7 +49,7 @@ class Cell:
 
 def fill(growth: Growth, compiled: Callable[[], Atlas], tie_tolerance: float, rounds: int = ROUNDS) -> None:
     """Add nodes where tests fail; `compiled` makes the atlas of the nodes that there are, its sheets in their order."""
-    cells, left = _cells(growth), MOST_TESTS
+    cells, left = _cells(growth), MOST_TESTS * FURTHER_AXIS ** max(len(growth.grid) - 2, 0)
     for _ in range(rounds):
         atlas = compiled()
         sheets = [number for number, nodes in enumerate(growth.nodes) if nodes]
@@ -107,11 +108,9 @@ def _rivals(atlas: Atlas, asked: Array) -> tuple[int, list[int]]:
     ranked = atlas.ranked(asked)
     if not ranked:
         return -1, []
-    costs, support = atlas.costs(asked)
-    limit = RIVAL * costs[ranked[0]]
-    by_cost = [
-        sheet for sheet in np.argsort(costs, kind="stable").tolist() if support[sheet] > 0 and costs[sheet] <= limit
-    ]
+    costs, _ = atlas.costs(asked)
+    least = np.fmin(costs, atlas.least_costs(asked))  # as a plan doubts them; where that is infinite, as predicted
+    by_cost = [sheet for sheet in atlas.by_cost(asked) if least[sheet] <= RIVAL * costs[ranked[0]]]
     return ranked[0], list(dict.fromkeys([ranked[0], *by_cost]))[:RIVALS]
 
 

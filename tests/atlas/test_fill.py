@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from sheets import STEPS, atlas, sheet_of
 from tiny_map import GALLOP, SOLVED_AT, WALKING, solution_of, solved_at, task_of, tiny_domain, tiny_problem
 
 from gaitflow.atlas import fill as fill_module
@@ -84,6 +85,17 @@ def test_what_is_added_is_predicted_well_afterwards(growth: Growth) -> None:
         outcome = growth.solver.refined(first, cell.centre, predicted, 30)
         wrong += not outcome.converged or abs(predicted.cost / outcome.cost - 1) > 1e-3
     assert wrong <= 0.2 * len(failed)
+
+
+def test_rivals_are_those_that_may_cost_least() -> None:
+    ends = [(0, 0), (1, 0)]
+    cheapest = sheet_of(lambda x, y: 1.0, lambda x, y: (0.0, 0.0), ends, gait=0)
+    dearer = sheet_of(lambda x, y: 1.3, lambda x, y: (0.0, 0.0), ends, gait=1)
+    doubtful = sheet_of(lambda x, y: 1.3, lambda x, y: (4.0, 0.0), ends, gait=2)
+    asked = np.array([0.5, 0.0]) * STEPS
+    assert fill_module._rivals(atlas(cheapest, dearer, doubtful), asked) == (0, [0, 2])
+    assert fill_module._rivals(atlas(cheapest, dearer), asked) == (0, [0])
+    assert fill_module._rivals(atlas(), asked) == (-1, [])
 
 
 def test_when_tests_run_out_the_worst_cells_are_looked_into(growth: Growth, monkeypatch: pytest.MonkeyPatch) -> None:
