@@ -124,6 +124,7 @@ class GaitMap:
         speed: float | None = None,
         cycle_duration: float | None = None,
         *,
+        gait: str | None = None,
         top: int = 3,
         beyond: bool = False,
         **axes: float,
@@ -132,14 +133,16 @@ class GaitMap:
 
         Tried first is the gait that `select` names; gaits that the atlas does not know at this task come last, by their
         probability. If one does not refine to a feasible motion, by none of its full patterns that the atlas knows
-        here, the next is tried, `top` gaits at most, and the plan says so. `beyond` plans outside the map's domain,
-        too: what comes out is checked all the same, and a plan that is not feasible says so. Raises OutOfDomain outside
-        the domain otherwise, and for a task that is not physical; ValueError as `select`; ImportError without CasADi;
+        here, the next is tried, `top` gaits at most, and the plan says so. `gait` names the one gait that is tried
+        instead of them. `beyond` plans outside the map's domain, too: what comes out is checked all the same, and a
+        plan that is not feasible says so. Raises OutOfDomain outside the domain otherwise, and for a task that is not
+        physical; ValueError as `select`, and for a gait that the map does not have; ImportError without CasADi;
         ArtifactError when the map's problem cannot be had.
         """
         started = time.perf_counter()
         if isinstance(top, bool) or not isinstance(top, int) or top < 1:
             raise ValueError(f"top = {top!r}: must be a number of gaits to try, 1 or more")
+        forced = None if gait is None else self._index(gait)
         values, domain = self._questions.one(speed, cycle_duration, axes), self.manifest.domain
         inside = domain.contains(values)
         if not inside and not (beyond and self._questions.physical(values)):
@@ -148,7 +151,7 @@ class GaitMap:
         place = self._place(values)
         probabilities = self._probabilities(place)
         candidates = self._candidates(place, probabilities)
-        first = list(dict.fromkeys(each.gait for each in candidates))[:top]
+        first = list(dict.fromkeys(each.gait for each in candidates))[:top] if forced is None else [forced]
         ranked = [
             (each, self.manifest.gaits[each.gait], probabilities[each.gait])
             for each in candidates
@@ -162,11 +165,15 @@ class GaitMap:
 
         Raises ValueError for a gait that the map does not have.
         """
-        if gait not in self._names:
-            raise ValueError(f"gait = {gait!r}: the map has {', '.join(self._names)}")
-        index, manifest = self._names.index(gait), self.manifest
+        index, manifest = self._index(gait), self.manifest
         vectors, task = self._artifact.tensors.mean(index), {"cycle_duration": cycle_duration}
         return warm_start(manifest.layout, gait, manifest.gaits[index].pattern, vectors, task)
+
+    def _index(self, gait: str) -> int:
+        """The number of a gait. Raises ValueError that names those the map has."""
+        if gait not in self._names:
+            raise ValueError(f"gait = {gait!r}: the map has {', '.join(self._names)}")
+        return self._names.index(gait)
 
     def _place(self, task: Mapping[str, float]) -> Array:
         return np.array([task[axis] for axis in self.axes])

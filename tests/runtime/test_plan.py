@@ -127,6 +127,26 @@ def test_a_map_without_an_atlas_falls_back_too(walker: GaitMap, tiny: TinyMap) -
     assert _checked(tiny.problem, plan, 0.3, 0.6) <= 1e-6
 
 
+@pytest.mark.parametrize("gait", ["walking", "gallop"])
+def test_a_gait_may_be_asked_for_by_name(gait_map: GaitMap, tiny: TinyMap, gait: str) -> None:
+    plan = gait_map.plan(0.9, 0.6, gait=gait)
+    assert (plan.gait, plan.path, plan.feasible) == (gait, "fast", True)
+    assert plan.tried == ((gait, "solved, fast"),)
+    assert plan.probability == dict(gait_map.select(0.9, 0.6).ranked)[gait]
+    assert _checked(tiny.problem, plan, 0.9, 0.6) <= 1e-6
+
+
+def test_a_gait_asked_for_is_the_only_one_that_is_tried(walker: GaitMap) -> None:
+    plan = walker.plan(*FAST, gait="walking")
+    assert (plan.gait, plan.path, plan.feasible) == ("walking", "failed", False)
+    assert {gait for gait, _ in plan.tried} == {"walking"}
+
+
+def test_a_gait_that_the_map_lacks_is_refused_with_those_it_has(gait_map: GaitMap) -> None:
+    with pytest.raises(ValueError, match="gait = 'trot': the map has walking, gallop"):
+        gait_map.plan(0.9, 0.6, gait="trot")
+
+
 def test_the_next_gait_is_tried_and_said(walker: GaitMap, tiny: TinyMap) -> None:
     plan = walker.plan(*FAST)
     assert plan.feasible
