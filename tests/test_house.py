@@ -27,7 +27,7 @@ PROGRAMS = {"snakemake"}
 PRIVATE_NAMES = {"ALWAYS", "HUNG", "LOOK_S", "NEVER", "QUICK", "STILL", "WORTH"}
 PRIVATE_MODULES = {"checked", "older_tables", "paper_way", "vanished"}
 # What a planner imports; the rest of the package belongs to map makers.
-THIN = ("core/", "runtime/", "solvers/")
+THIN = ("core/", "motion/", "runtime/", "solvers/")
 # The extras that a part of the package may count on, beside the base install.
 EXTRAS = {
     "problem/": ("solve",),

@@ -5,12 +5,17 @@ from gaitflow.runtime import GaitMap
 gait_map = GaitMap.load("models/half-cheetah-flat-effort")
 choice = gait_map.select(speed=0.9, cycle_duration=0.6)
 plan = gait_map.plan(speed=0.9, cycle_duration=0.6)  # needs gaitflow[solve]
+state = plan.motion().at(1.234)
 """
 
 from gaitflow.core.errors import ArtifactError, OutOfDomain
+from gaitflow.motion import FootFrame, Frames, Motion, Stance, State
 from gaitflow.runtime.choice import Choice, Choices
 from gaitflow.runtime.gait_map import GaitMap
 from gaitflow.runtime.plan import Plan
 from gaitflow.runtime.tensors import WarmStart
 
-__all__ = ["ArtifactError", "Choice", "Choices", "GaitMap", "OutOfDomain", "Plan", "WarmStart"]
+__all__ = [
+    "ArtifactError", "Choice", "Choices", "FootFrame", "Frames", "GaitMap", "Motion", "OutOfDomain", "Plan", "Stance",
+    "State", "WarmStart",
+]  # fmt: skip

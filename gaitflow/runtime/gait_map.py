@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 
@@ -158,7 +159,8 @@ class GaitMap:
             if each.gait in first
         ]
         task = self.manifest.space.task({axis: values[axis] for axis in self.axes})
-        return refine_ranked(refiner, ranked, Asked(task, values, inside, domain.distance(values), started))
+        plan = refine_ranked(refiner, ranked, Asked(task, values, inside, domain.distance(values), started))
+        return replace(plan, scenario=self.manifest.scenario)
 
     def mean_start(self, gait: str, cycle_duration: float) -> WarmStart:
         """The paper's warm start of a gait: the mean over its region, scaled to the cycle duration [s].

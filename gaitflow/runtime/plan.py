@@ -7,10 +7,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 from gaitflow.core.task import Task
+from gaitflow.core.task_space import TaskSpace
 from gaitflow.core.trajectory import Trajectory
+from gaitflow.motion import Frames, Motion, Point
+from gaitflow.motion.motion import SWING_APEX
 from gaitflow.runtime.manifest import Gait
 from gaitflow.runtime.refine import Attempt, Candidate, Refiner
 
@@ -29,7 +33,8 @@ class Plan(Trajectory):
     the least infeasible one, and feasible all the same when only optimality was not reached. tried: gaits with their
     outcomes, in order, a gait once for each of its full patterns that was tried. iterations over all tried.
     distance: to the nearest training task, in steps of the map's grid. time_ms is wall time of the whole call;
-    select_ms of choosing the gaits, predict_ms and refine_ms of their starts and solves.
+    select_ms of choosing the gaits, predict_ms and refine_ms of their starts and solves. scenario is the map's, JSON
+    data.
     """
 
     task: Mapping[str, float]
@@ -48,6 +53,22 @@ class Plan(Trajectory):
     predict_ms: float
     refine_ms: float
     time_ms: float
+    scenario: Mapping[str, Any] = field(default_factory=dict, repr=False)
+
+    def motion(self, swing_apex: float | None = SWING_APEX, point: Point = "com") -> Motion:
+        """The plan at any time, cycle after cycle; its swings lead `swing_apex` m above the higher of their footholds.
+
+        With None the feet are the plan's own. Position, velocity and acceleration are the centre of mass's, or with
+        `point="base"` those of the base link's frame. Raises ValueError as `Motion.of`.
+        """
+        space = TaskSpace.of(self.scenario)
+        task = space.task({axis: self.task[axis] for axis in space.ranged})
+        return Motion.of(self.scenario, self, task, self.pattern, swing_apex, point)
+
+    @property
+    def frames(self) -> Frames | None:
+        """Where the robot's links are, seen from what the plan speaks of; None of a map that does not know them."""
+        return Frames.of(self.scenario)
 
 
 @dataclass(frozen=True)

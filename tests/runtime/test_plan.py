@@ -127,6 +127,28 @@ def test_a_map_without_an_atlas_falls_back_too(walker: GaitMap, tiny: TinyMap) -
     assert _checked(tiny.problem, plan, 0.3, 0.6) <= 1e-6
 
 
+def test_a_plan_is_a_motion_at_any_time(gait_map: GaitMap, tiny: TinyMap) -> None:
+    """Of Euler's rule: smooth, and past the knots by millimetres."""
+    plan = gait_map.plan(0.9, 0.6)
+    motion = plan.motion()
+    assert (motion.leg_names, motion.period, plan.frames) == (tiny.problem.scenario.robot.leg_names, 0.6, None)
+    seen = motion.sample(plan.times)
+    np.testing.assert_allclose(seen.position, plan.base[:, :2], atol=0.02)
+    np.testing.assert_allclose(seen.velocity, plan.base[:, 3:5], atol=0.05)
+    fine = motion.sample(np.linspace(-0.6, 1.2, 20001))
+    step = 1.8 / 20000
+    assert np.abs(np.diff(fine.position, axis=0) / step - fine.velocity[:-1]).max() < 20 * step
+    np.testing.assert_allclose(fine.position[-1] - fine.position[0], [0.9 * 1.8, 0.0], atol=1e-9)
+    np.testing.assert_allclose(fine.velocity[-1], fine.velocity[0], atol=1e-9)
+    gravity = np.array([0.0, -9.81])
+    pushed = fine.forces.sum(axis=1) / tiny.problem.scenario.robot.mass + gravity
+    np.testing.assert_allclose(fine.acceleration, pushed, atol=1e-5)
+    own = plan.motion(swing_apex=None).sample(plan.times)
+    np.testing.assert_allclose(own.feet, plan.feet, atol=1e-6)
+    with pytest.raises(ValueError, match='point = "base": the map quickstart does not know'):
+        plan.motion(point="base")
+
+
 @pytest.mark.parametrize("gait", ["walking", "gallop"])
 def test_a_gait_may_be_asked_for_by_name(gait_map: GaitMap, tiny: TinyMap, gait: str) -> None:
     plan = gait_map.plan(0.9, 0.6, gait=gait)
