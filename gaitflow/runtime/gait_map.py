@@ -16,6 +16,7 @@ from gaitflow.core.errors import OutOfDomain
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.artifact import Artifact, load_artifact
 from gaitflow.runtime.choice import Choice, Choices
+from gaitflow.runtime.hysteresis import MARGIN, checked_margin, is_kept
 from gaitflow.runtime.manifest import Gait, Manifest
 from gaitflow.runtime.plan import Asked, Plan, refine_ranked
 from gaitflow.runtime.problem import Problem
@@ -77,21 +78,28 @@ class GaitMap:
         cycle_duration: float | None = None,
         *,
         beyond: bool = False,
+        previous: Choice | None = None,
+        margin: float = MARGIN,
         **axes: float,
     ) -> Choice:
         """The gait for one task: the one that the atlas predicts to cost least, which `plan` tries first.
 
         Where the atlas knows no gait it is the classifier's likeliest. Outside the map's domain it says nothing, unless
-        `beyond` asks for a guess all the same. Raises ValueError for an argument that is no finite number, and for an
-        axis that the map does not have or that is missing.
+        `beyond` asks for a guess all the same. The gait of the `previous` choice is kept as long as it is predicted to
+        cost at most `margin` (relative) more than the cheapest one here, or a tenth of a step of the map's grid away.
+        Raises ValueError for an argument that is no finite number, for an axis that the map does not have or that is
+        missing, and for a previous gait that it does not have.
         """
-        task = self._questions.one(speed, cycle_duration, axes)
-        inside = self.manifest.domain.contains(task)
+        keep, margin = self._kept(previous), checked_margin(margin)
+        task, domain = self._questions.one(speed, cycle_duration, axes), self.manifest.domain
+        inside = domain.contains(task)
         if not inside and not (beyond and self._questions.physical(task)):
             return Choice(task, False, None, None, 0.0, (), self._warm_start, self._distance)
         place = self._place(task)
         probabilities = self._probabilities(place)
         candidates = self._candidates(place, probabilities)
+        if keep not in (None, candidates[0].gait) and is_kept(self._artifact.atlas, domain.steps, place, keep, margin):
+            candidates.sort(key=lambda each: each.gait != keep)
         first = candidates[0]
         gaits = dict.fromkeys(each.gait for each in candidates)
         ranked = tuple([(self._names[each], probabilities[each]) for each in gaits])
@@ -176,6 +184,14 @@ class GaitMap:
         if gait not in self._names:
             raise ValueError(f"gait = {gait!r}: the map has {', '.join(self._names)}")
         return self._names.index(gait)
+
+    def _kept(self, previous: object) -> int | None:
+        """The number of a previous choice's gait, None where it had none."""
+        if previous is None:
+            return None
+        if not isinstance(previous, Choice):
+            raise ValueError(f"previous = {previous!r}: must be a choice, what `select` gave before")
+        return None if previous.gait is None else self._index(previous.gait)
 
     def _place(self, task: Mapping[str, float]) -> Array:
         return np.array([task[axis] for axis in self.axes])
