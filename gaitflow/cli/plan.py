@@ -32,7 +32,7 @@ def plan(artifact: Path, axes: dict[str, Any], beyond: bool, trust_code: bool, a
     """Ask the map ARTIFACT for a gait and refine it into a feasible motion.
 
     ARTIFACT is a version's folder or its parent (the newest version then). A task needs a value on every axis that the
-    map ranges over, speed and cycle duration on most.
+    map ranges over, speed and cycle duration on most. Without a cycle duration the map chooses the cheapest.
 
     \b
     Example: gaitflow plan models/quickstart --speed 0.9 --cycle 0.6 --json
@@ -71,6 +71,9 @@ def _say(answer: Plan) -> None:
     if not answer.in_domain:
         click.echo(f"outside the map's domain, {answer.distance:.1f} steps of its grid from the nearest task")
     click.echo(f"task:        {', '.join(f'{axis} {x:g} {AXES[axis].unit}' for axis, x in answer.task.items())}")
+    if answer.chosen is not None:
+        edge = ", at the edge of the map's domain" if answer.chosen.on_edge else ""
+        click.echo(f"cycle:       chosen by the map, predicted cost {answer.chosen.cost_per_second:.6g} a second{edge}")
     click.echo(f"gait:        {answer.gait} ({answer.pattern}), probability {answer.probability:.2f}")
     click.echo(f"durations:   {', '.join(f'{d:.4f}' for d in answer.durations)} s")
     click.echo(f"cost:        {answer.cost:.6g}")

@@ -11,11 +11,12 @@ state = plan.motion().at(1.234)
 from gaitflow.core.errors import ArtifactError, OutOfDomain
 from gaitflow.motion import FootFrame, Frames, Motion, Stance, State
 from gaitflow.runtime.choice import Choice, Choices
+from gaitflow.runtime.cycle_duration import ChosenDuration
 from gaitflow.runtime.gait_map import GaitMap
 from gaitflow.runtime.plan import Plan
 from gaitflow.runtime.tensors import WarmStart
 
 __all__ = [
-    "ArtifactError", "Choice", "Choices", "FootFrame", "Frames", "GaitMap", "Motion", "OutOfDomain", "Plan", "Stance",
-    "State", "WarmStart",
+    "ArtifactError", "Choice", "Choices", "ChosenDuration", "FootFrame", "Frames", "GaitMap", "Motion", "OutOfDomain",
+    "Plan", "Stance", "State", "WarmStart",
 ]  # fmt: skip

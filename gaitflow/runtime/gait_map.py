@@ -16,6 +16,7 @@ from gaitflow.core.errors import OutOfDomain
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.artifact import Artifact, load_artifact
 from gaitflow.runtime.choice import Choice, Choices
+from gaitflow.runtime.cycle_duration import AXIS, ChosenDuration, cheapest_duration
 from gaitflow.runtime.hysteresis import MARGIN, checked_margin, is_kept
 from gaitflow.runtime.manifest import Gait, Manifest
 from gaitflow.runtime.plan import Asked, Plan, refine_ranked
@@ -32,7 +33,8 @@ class GaitMap:
     """A published map from tasks to gaits. Build it with `GaitMap.load`.
 
     A task is asked for by the values on the map's axes: speed [m/s] and cycle_duration [s], also by position, and what
-    other axes the map ranges over (`axes`), by name. An axis that the map holds at one value may be given with it.
+    other axes the map ranges over (`axes`), by name. An axis that the map holds at one value may be given with it. The
+    cycle duration may be left to the map.
 
     Immutable and safe to use from many threads, each of which gets a solver of its own.
     """
@@ -87,11 +89,16 @@ class GaitMap:
         Where the atlas knows no gait it is the classifier's likeliest. Outside the map's domain it says nothing, unless
         `beyond` asks for a guess all the same. The gait of the `previous` choice is kept as long as it is predicted to
         cost at most `margin` (relative) more than the cheapest one here, or a tenth of a step of the map's grid away.
-        Raises ValueError for an argument that is no finite number, for an axis that the map does not have or that is
-        missing, and for a previous gait that it does not have.
+        Without a cycle duration it is the one of least predicted cost a second among those in the domain, and `chosen`
+        says so. Raises ValueError for an argument that is no finite number, for an axis that the map does not have or
+        that is missing, and for a previous gait that it does not have; OutOfDomain where there is no cycle duration to
+        choose.
         """
         keep, margin = self._kept(previous), checked_margin(margin)
-        task, domain = self._questions.one(speed, cycle_duration, axes), self.manifest.domain
+        task, chosen = self._task(speed, cycle_duration, axes)
+        if chosen is not None and keep is not None:
+            task, chosen = self._kept_duration(task, chosen, keep, margin)
+        domain = self.manifest.domain
         inside = domain.contains(task)
         if not inside and not (beyond and self._questions.physical(task)):
             return Choice(task, False, None, None, 0.0, (), self._warm_start, self._distance)
@@ -105,7 +112,7 @@ class GaitMap:
         ranked = tuple([(self._names[each], probabilities[each]) for each in gaits])
         gait, probability = ranked[0]
         pattern = self._artifact.pattern(first.gait, first.sheet)
-        return Choice(task, inside, gait, pattern, probability, ranked, self._warm_start, self._distance)
+        return Choice(task, inside, gait, pattern, probability, ranked, self._warm_start, self._distance, chosen)
 
     def select_many(
         self, speed: ArrayLike | None = None, cycle_duration: ArrayLike | None = None, **axes: ArrayLike
@@ -143,16 +150,16 @@ class GaitMap:
         Tried first is the gait that `select` names; gaits that the atlas does not know at this task come last, by their
         probability. If one does not refine to a feasible motion, by none of its full patterns that the atlas knows
         here, the next is tried, `top` gaits at most, and the plan says so. `gait` names the one gait that is tried
-        instead of them. `beyond` plans outside the map's domain, too: what comes out is checked all the same, and a
-        plan that is not feasible says so. Raises OutOfDomain outside the domain otherwise, and for a task that is not
-        physical; ValueError as `select`, and for a gait that the map does not have; ImportError without CasADi;
-        ArtifactError when the map's problem cannot be had.
+        instead of them. Without a cycle duration it is chosen as `select` does, for that gait. `beyond` plans outside
+        the map's domain, too: what comes out is checked all the same, and a plan that is not feasible says so. Raises
+        OutOfDomain outside the domain otherwise, and for a task that is not physical; ValueError as `select`, and for a
+        gait that the map does not have; ImportError without CasADi; ArtifactError when the map's problem cannot be had.
         """
         started = time.perf_counter()
         if isinstance(top, bool) or not isinstance(top, int) or top < 1:
             raise ValueError(f"top = {top!r}: must be a number of gaits to try, 1 or more")
-        forced = None if gait is None else self._index(gait)
-        values, domain = self._questions.one(speed, cycle_duration, axes), self.manifest.domain
+        forced, domain = None if gait is None else self._index(gait), self.manifest.domain
+        values, chosen = self._task(speed, cycle_duration, axes, forced)
         inside = domain.contains(values)
         if not inside and not (beyond and self._questions.physical(values)):
             raise OutOfDomain(domain.explain(values))
@@ -168,7 +175,7 @@ class GaitMap:
         ]
         task = self.manifest.space.task({axis: values[axis] for axis in self.axes})
         plan = refine_ranked(refiner, ranked, Asked(task, values, inside, domain.distance(values), started))
-        return replace(plan, scenario=self.manifest.scenario)
+        return replace(plan, scenario=self.manifest.scenario, chosen=chosen)
 
     def mean_start(self, gait: str, cycle_duration: float) -> WarmStart:
         """The paper's warm start of a gait: the mean over its region, scaled to the cycle duration [s].
@@ -184,6 +191,29 @@ class GaitMap:
         if gait not in self._names:
             raise ValueError(f"gait = {gait!r}: the map has {', '.join(self._names)}")
         return self._names.index(gait)
+
+    def _task(
+        self, speed: float | None, cycle_duration: float | None, axes: Mapping[str, float], gait: int | None = None
+    ) -> tuple[dict[str, float], ChosenDuration | None]:
+        """The values that are asked for, with the cycle duration chosen, for a gait or the best one, where left out."""
+        domain = self.manifest.domain
+        if cycle_duration is not None or AXIS not in domain.axes or AXIS in axes:
+            return self._questions.one(speed, cycle_duration, axes), None
+        values = self._questions.one(speed, domain.axes[AXIS][0], axes)
+        chosen = cheapest_duration(self._artifact.atlas, domain, values, self.manifest.cost_scale, gait)
+        if chosen is None:
+            others = ", ".join(f"{axis} = {values[axis]:g}" for axis in self.axes if axis != AXIS)
+            raise OutOfDomain(f"{others}: the map knows no cost at any cycle_duration there; give one as well")
+        return values | {AXIS: chosen.value}, chosen
+
+    def _kept_duration(
+        self, task: dict[str, float], chosen: ChosenDuration, gait: int, margin: float
+    ) -> tuple[dict[str, float], ChosenDuration]:
+        """The cycle duration of a gait to be kept, where at its best it is within the margin of the best of all."""
+        own = cheapest_duration(self._artifact.atlas, self.manifest.domain, task, self.manifest.cost_scale, gait)
+        if own is None or own.cost_per_second > (1 + margin) * chosen.cost_per_second:
+            return task, chosen
+        return task | {AXIS: own.value}, own
 
     def _kept(self, previous: object) -> int | None:
         """The number of a previous choice's gait, None where it had none."""

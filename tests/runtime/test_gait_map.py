@@ -152,8 +152,10 @@ def test_an_axis_that_the_map_lacks_is_named_with_those_it_has(gait_map: GaitMap
             ask(speed=0.9, cycle_duration=0.6, height=1.0)
         with pytest.raises(ValueError, match=r"slope = 5: it is fixed at 0 deg here; the axes are speed, cycle_dur"):
             ask(0.9, 0.6, slope=5.0)
-        with pytest.raises(ValueError, match=r"needs cycle_duration as well; the axes are speed, cycle_duration"):
-            ask(0.9)
+        with pytest.raises(ValueError, match=r"needs speed as well; the axes are speed, cycle_duration"):
+            ask(cycle_duration=0.6)
+    with pytest.raises(ValueError, match=r"needs cycle_duration as well; the axes are speed, cycle_duration"):
+        gait_map.select_many(0.9)
 
 
 def test_an_axis_that_the_map_holds_may_be_given(gait_map: GaitMap) -> None:

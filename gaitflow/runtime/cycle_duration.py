@@ -1,0 +1,91 @@
+"""The cycle duration that costs least, for whoever says how fast the robot should go and nothing else."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from gaitflow.core.domain import Domain
+from gaitflow.runtime.atlas import SUPPORT, Atlas
+
+AXIS = "cycle_duration"
+POINTS = 8  # looked at in each step of the map's grid
+NARROWINGS = 25  # of the best one's surroundings, each by 0.62
+
+
+@dataclass(frozen=True)
+class ChosenDuration:
+    """The cycle duration [s] that the map chose, with its predicted cost.
+
+    cost_per_second is the cost of a cycle over its duration, in the scenario's units; cost_per_metre that over the
+    commanded way, infinite at rest: at a given speed the same duration has the least of both. on_edge: it is the
+    shortest or longest that the map allows there, so a still better one may lie beyond.
+    """
+
+    value: float
+    cost_per_second: float
+    cost_per_metre: float
+    on_edge: bool
+
+
+def cheapest_duration(
+    atlas: Atlas, domain: Domain, task: Mapping[str, float], scale: float, gait: int | None = None
+) -> ChosenDuration | None:
+    """Of the durations that the domain allows a task the one of least cost a second, by the best gait or a given one.
+
+    `task` has values on all other axes; `scale` times the atlas' cost is the scenario's. None where the domain allows
+    no duration, or the atlas believes no cost.
+    """
+
+    def rate(duration: float) -> float:
+        place = np.array([duration if axis == AXIS else task[axis] for axis in atlas.axes])
+        costs, support = atlas.costs(place)
+        believed = support >= SUPPORT
+        if gait is not None:
+            believed &= [sheet.gait == gait for sheet in atlas.sheets]
+        return float(costs[believed].min(initial=math.inf)) / duration
+
+    found = [(*_least(rate, low, high, steps), low, high) for low, high, steps in _allowed(domain, task)]
+    if not found:
+        return None
+    least, value, low, high = min(found)
+    if not math.isfinite(least):
+        return None
+    pace = math.hypot(task["speed"], task.get("lateral_speed", 0.0))
+    per_second = least * scale
+    return ChosenDuration(value, per_second, per_second / pace if pace else math.inf, value in (low, high))
+
+
+def _allowed(domain: Domain, task: Mapping[str, float]) -> list[tuple[float, float, int]]:
+    """Intervals of durations inside the domain: both ends and how many steps of the grid lie between them."""
+    grid = domain.axes[AXIS]
+    found: list[tuple[float, float, int]] = []
+    for i, value in enumerate(grid):
+        if not domain.contains({**task, AXIS: value}):
+            continue
+        joined = i > 0 and domain.contains({**task, AXIS: (grid[i - 1] + value) / 2})
+        if joined:
+            low, _, steps = found.pop()
+            found.append((low, value, steps + 1))
+        else:
+            found.append((value, value, 0))
+    return found
+
+
+def _least(rate: Callable[[float], float], low: float, high: float, steps: int) -> tuple[float, float]:
+    """The least rate from `low` to `high` and where it is; ends are met exactly."""
+    places = np.linspace(low, high, POINTS * steps + 1).tolist()
+    rates = [rate(place) for place in places]
+    best = int(np.argmin(rates))
+    a, b = places[max(best - 1, 0)], places[min(best + 1, len(places) - 1)]
+    shrink = (math.sqrt(5) - 1) / 2
+    known = [(rates[best], places[best])]
+    for _ in range(NARROWINGS if b > a else 0):
+        left, right = b - shrink * (b - a), a + shrink * (b - a)
+        one, other = (rate(left), left), (rate(right), right)
+        known += [one, other]
+        a, b = (a, right) if one < other else (left, b)
+    return min(known)
