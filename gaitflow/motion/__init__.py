@@ -5,9 +5,15 @@ state = motion.at(1.234)
 stances = motion.phases("LF", cycles=2)
 """
 
+from gaitflow.motion.contact_schedule import schedule_data, schedule_json
 from gaitflow.motion.frames import FootFrame, Frames
 from gaitflow.motion.motion import Motion, Point
+from gaitflow.motion.ocs2 import gait_info
 from gaitflow.motion.stances import Stance
 from gaitflow.motion.state import State
+from gaitflow.motion.towr import towr_formulation
 
-__all__ = ["FootFrame", "Frames", "Motion", "Point", "Stance", "State"]
+__all__ = [
+    "FootFrame", "Frames", "Motion", "Point", "Stance", "State", "gait_info", "schedule_data", "schedule_json",
+    "towr_formulation",
+]  # fmt: skip
