@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 from reprlib import repr as short
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from gaitflow.config.file import Config, read_yaml
+from gaitflow.config.frames import Frames
 from gaitflow.core.names import quadruped_places
 
 ROUNDING = 1e-6  # relative, of the digits that a robot's moments are written with
@@ -41,6 +42,7 @@ class Robot(Config):
     max_tilt: Annotated[float, Field(gt=0, lt=1.5)]  # along each angle [rad]
     mirror: tuple[tuple[str, str], ...] = ()  # left-right pairs of legs that swap in a mirror image; a quadruped's two
     source: str = ""  # where the numbers come from
+    frames: Frames | None = None  # of the description that it comes from; a robot in space has them
 
     @model_validator(mode="after")
     def _shapes_agree(self) -> Robot:
@@ -118,6 +120,26 @@ class Robot(Config):
                 f"inertia: Ixy = {self.inertia[0][1]:g} and Iyz = {self.inertia[1][2]:g}: must be 0 when mirror = "
                 f"{self.mirror}"
             )
+
+    @model_validator(mode="after")
+    def _frames_fit(self) -> Robot:
+        if self.frames is None:
+            return self
+        if self.dimension == 2:
+            raise ValueError("frames: need a robot with dimension 3; leave them out")
+        named = tuple(foot.leg for foot in self.frames.feet)
+        if named != self.leg_names:
+            raise ValueError(
+                f"frames.feet: are of the legs {short(named)}; allowed is one a leg, in their order: "
+                f"{', '.join(self.leg_names)}"
+            )
+        return self
+
+    @model_serializer(mode="wrap")
+    def _without_unknown_frames(self, data: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Robots without frames are the same data as before there were any."""
+        found: dict[str, Any] = data(self)
+        return found if self.frames is not None else {key: found[key] for key in found if key != "frames"}
 
     @property
     def leg_names(self) -> tuple[str, ...]:

@@ -181,7 +181,8 @@ class Scenario(Config):
         """
         data = self.as_data()
         kept = {key: data[key] for key in ("robot", "objective", "transcription", "stances_per_leg")}
-        kept["robot"] = {key: value for key, value in data["robot"].items() if key != "source"}  # prose, not physics
+        beside = ("source", "frames")  # prose and names, no physics
+        kept["robot"] = {key: value for key, value in data["robot"].items() if key not in beside}
         return kept | {"axes": [axis for axis in AXES if self.tasks.varies(axis)]}
 
     def symmetry(self, task: Task) -> Symmetry:

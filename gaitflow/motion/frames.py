@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
+
+LONGEST_NAME = 200
+FARTHEST = 1e3  # m
 
 
 @dataclass(frozen=True)
 class FootFrame:
-    """A leg's name, the link of the robot's description that is its foot, and the contact point in its frame [3] m."""
+    """The foot of a leg: the link of the description whose origin is the foot of every plan.
+
+    contact_point [3] m, in the link's frame, is where it touches the ground in the standing pose. Where that is not the
+    origin, the ground of the world is as much lower than that of the plan.
+    """
 
     leg: str
     link: str
@@ -35,10 +42,43 @@ class Frames:
         found = robot.get("frames")
         if found is None:
             return None
-        feet = [FootFrame(each["leg"], each["link"], tuple(each["contact_point"])) for each in found["feet"]]
-        order = [leg["name"] for leg in robot["legs"]]
-        return cls(
-            str(found["base_link"]),
-            tuple(found["com_in_base"]),
-            tuple(sorted(feet, key=lambda foot: order.index(foot.leg))),
+        feet = tuple(FootFrame(each["leg"], each["link"], _vector(each["contact_point"])) for each in found["feet"])
+        return cls(str(found["base_link"]), _vector(found["com_in_base"]), feet)
+
+
+def are_frames(data: object, legs: object) -> bool:
+    """Whether plain data, which anybody may have written, are the frames of a robot with these legs."""
+    if not isinstance(data, Mapping) or set(data) != {"base_link", "com_in_base", "feet"}:
+        return False
+    feet = data["feet"]
+    if not isinstance(feet, list) or not isinstance(legs, list) or len(feet) != len(legs):
+        return False
+    return (
+        _is_name(data["base_link"])
+        and _is_vector(data["com_in_base"])
+        and all(
+            isinstance(foot, Mapping)
+            and set(foot) == {"leg", "link", "contact_point"}
+            and foot["leg"] == leg["name"]
+            and _is_name(foot["link"])
+            and _is_vector(foot["contact_point"])
+            for foot, leg in zip(feet, legs, strict=True)
         )
+    )
+
+
+def _is_name(value: object) -> bool:
+    return isinstance(value, str) and 0 < len(value) <= LONGEST_NAME
+
+
+def _is_vector(value: object) -> bool:
+    return (
+        isinstance(value, list)
+        and len(value) == 3
+        and all(isinstance(each, int | float) and not isinstance(each, bool) and abs(each) < FARTHEST for each in value)
+    )
+
+
+def _vector(values: Sequence[float]) -> tuple[float, float, float]:
+    x, y, z = values
+    return float(x), float(y), float(z)

@@ -14,6 +14,7 @@ from gaitflow.core.gaits import Pattern
 from gaitflow.core.layout import Layout
 from gaitflow.core.legacy import modern_scenario
 from gaitflow.core.task import AXES
+from gaitflow.motion.frames import are_frames
 from gaitflow.runtime.files import LIMITS, FileEntry
 from gaitflow.runtime.manifest import TIME_FORMAT, Gait
 from gaitflow.runtime.strict import Fields, is_number
@@ -54,6 +55,7 @@ def scenario(fields: Fields) -> Mapping[str, Any]:
         "robot.dimension": robot.get("dimension") in (2, 3),
         "robot.mass": is_number(robot.get("mass")) and robot["mass"] > 0,
         "robot.legs": isinstance(legs, list) and 1 <= len(legs) <= 8 and all(map(_is_leg, legs)),
+        "robot.frames": robot.get("frames") is None or are_frames(robot["frames"], legs),
         "transcription.phases": _is_count(transcription.get("phases"), 64),
         "transcription.knots_per_phase": _is_count(transcription.get("knots_per_phase"), 1000),
         "transcription.forces": transcription.get("forces") in ("held", "linear"),

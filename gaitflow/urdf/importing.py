@@ -14,7 +14,8 @@ from gaitflow.config.robot import Robot
 from gaitflow.core.layout import GRAVITY
 from gaitflow.core.names import leg_place
 from gaitflow.urdf.chain import LegChain
-from gaitflow.urdf.description import read_description
+from gaitflow.urdf.contact import contact_point
+from gaitflow.urdf.description import Description, read_description
 from gaitflow.urdf.limits import max_foot_speed, max_vertical_force
 from gaitflow.urdf.mechanism import Array, load_mechanism
 from gaitflow.urdf.pose import find_srdf, is_written, pose_of
@@ -93,6 +94,9 @@ def import_robot(request: Request) -> Imported:
         )
     speed, said = _limit(request.max_foot_speed, "m/s from velocity limits", lambda: max_foot_speed(legs))
     found.append(f"max_foot_speed {said}")
+    contacts = [_contact(urdf, foot, leg) for foot, leg in zip(request.feet, legs, strict=True)]
+    if any(contact is None for contact in contacts):
+        found.append("a foot has no collision sphere: where its link's origin is it touches the ground")
     robot = {
         "name": request.name,
         "dimension": 3,
@@ -105,8 +109,22 @@ def import_robot(request: Request) -> Imported:
         "max_tilt": request.max_tilt,
         "mirror": [[names[left], names[right]] for left, right in body.pairs],
         "source": "; ".join(found),
+        "frames": {
+            "base_link": mechanism.base_link,
+            "com_in_base": [_digits(value) for value in centre],
+            "feet": [
+                {"leg": name, "link": foot, "contact_point": contact or [0.0, 0.0, 0.0]}
+                for name, foot, contact in zip(names, request.feet, contacts, strict=True)
+            ],
+        },
     }
     return Imported(Robot.from_data(robot, f"robot {request.name}"), tuple(found))
+
+
+def _contact(urdf: Description, foot: str, leg: LegChain) -> list[float] | None:
+    """Where a foot touches the ground [3] m, in its link's frame; None where the URDF does not say."""
+    point = contact_point(urdf, foot, leg.mechanism.rotation(leg.foot, leg.pose))
+    return None if point is None else [_digits(value) for value in point]
 
 
 def _leg_names(request: Request) -> tuple[str, ...]:

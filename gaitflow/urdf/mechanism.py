@@ -68,6 +68,22 @@ class Mechanism:
             raise ConfigError(f"{self.label}: no link {name!r}; it has {', '.join(near)}")
         return int(self.model.getFrameId(name, pinocchio.FrameType.BODY))
 
+    @property
+    def base_link(self) -> str:
+        """The name of the link that all others hang on."""
+        import pinocchio
+
+        names = (frame.name for frame in self.model.frames if frame.type == pinocchio.FrameType.BODY)
+        return str(next(names))
+
+    def rotation(self, frame: int, angles: Array) -> Array:
+        """Of a frame's vectors into the base frame's directions [3, 3]."""
+        import pinocchio
+
+        pinocchio.forwardKinematics(self.model, self.data, self.configuration(angles))
+        pinocchio.updateFramePlacement(self.model, self.data, frame)
+        return np.array(self.data.oMf[frame].rotation)
+
     def joint(self, index: int) -> int:
         """Pinocchio's frame of a joint."""
         import pinocchio

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
+from gaitflow.config.frames import Frames
 from gaitflow.config.robot import Robot
 from gaitflow.files import new_file
 
@@ -33,6 +34,7 @@ def robot_text(robot: Robot, comments: Iterable[str]) -> str:
         f"max_tilt: {_number(robot.max_tilt)}  # rad, along each angle",
         f"mirror: [{', '.join(f'[{_word(left)}, {_word(right)}]' for left, right in robot.mirror)}]",
         f"source: {json.dumps(robot.source)}",
+        *_frames(robot.frames),
     ]
     return "\n".join(lines) + "\n"
 
@@ -41,6 +43,21 @@ def write_robot(path: Path, robot: Robot, comments: Iterable[str], *, replace: b
     """Write a robots YAML as a whole. Raises FileExistsError unless `replace`, and WriteError."""
     with new_file(path, replace=replace) as file:
         file.write(robot_text(robot, comments).encode())
+
+
+def _frames(frames: Frames | None) -> list[str]:
+    if frames is None:
+        return []
+    return [
+        "frames:  # of the description; in a standing pose, m",
+        f"  base_link: {_word(frames.base_link)}",
+        f"  com_in_base: {_vector(frames.com_in_base)}  # centre of mass in the base link's frame",
+        "  feet:  # the link whose origin is the foot, and where it touches the ground in the link's frame",
+        *(
+            f"    - {{leg: {_word(foot.leg)}, link: {_word(foot.link)}, contact_point: {_vector(foot.contact_point)}}}"
+            for foot in frames.feet
+        ),
+    ]
 
 
 def _number(value: float) -> str:
@@ -58,4 +75,8 @@ def _printable(text: str) -> str:
 
 def _word(name: str) -> str:
     """A name, in quotes where YAML would read something else, as in NO."""
-    return name if yaml.safe_load(name) == name else json.dumps(name)
+    try:
+        plain = yaml.safe_load(f"[{name}]") == [name]
+    except yaml.YAMLError:
+        plain = False
+    return name if plain else json.dumps(name)

@@ -61,6 +61,7 @@ def refusal(data: Any, folder: Path) -> str:
 @pytest.mark.parametrize("path", sorted(CONFIGS.glob("*.yaml")), ids=lambda path: path.stem)
 def test_the_robots_of_the_project_load(path: Path) -> None:
     robot = load_robot(path)
+    assert (robot.frames is None) == (robot.dimension == 2)
     assert robot.name == path.stem, "scenarios find a robot by its file's name"
     assert Robot.from_data(robot.as_data(), "copy") == robot
 
@@ -242,3 +243,42 @@ def test_in_the_plane_paired_feet_are_in_one_place(planar: dict[str, Any], tmp_p
     assert Robot.from_data(planar | {"legs": feet, "mirror": [["L", "R"]]}, "here").mirror_permutation == (1, 0)
     said = refusal(planar | {"mirror": [["F", "H"]]}, tmp_path)
     assert said.startswith("legs.F.default_foot = (0.5, -0.5): must be the mirror image of H's, (-0.5, -0.5)")
+
+
+@pytest.fixture
+def framed(quadruped: dict[str, Any]) -> dict[str, Any]:
+    """The quadruped with frames."""
+    feet = [{"leg": leg["name"], "link": "foot", "contact_point": [0.0, 0.0, -0.01]} for leg in quadruped["legs"]]
+    return quadruped | {"frames": {"base_link": "base", "com_in_base": [0.0, 0.001, -0.02], "feet": feet}}
+
+
+def test_frames_are_beside_the_physics(framed: dict[str, Any], quadruped: dict[str, Any]) -> None:
+    known, unknown = Robot.from_data(framed, "here"), Robot.from_data(quadruped, "here")
+    assert known.frames is not None and known.frames.feet[1].leg == "RF"
+    assert known.as_data()["frames"] == framed["frames"]
+    assert "frames" not in unknown.as_data(), "robots without frames are the data that they were"
+    assert Robot.from_data(known.as_data(), "copy") == known
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"feet": []}, "frames.feet: are of the legs (); allowed is one a leg, in their order: LF, RF, LH, RH"),
+        ({"com_in_base": [0.0, 0.0]}, "frames.com_in_base.2: missing"),
+        ({"base_link": ""}, "frames.base_link = '': "),
+        ({"base": "base"}, "frames.base = 'base': unknown field, did you mean base_link? allowed: base_link, com_in"),
+    ],
+)
+def test_frames_that_are_none(framed: dict[str, Any], tmp_path: Path, change: dict[str, Any], said: str) -> None:
+    framed["frames"] |= change
+    assert refusal(framed, tmp_path).startswith(said)
+
+
+def test_frames_of_legs_in_another_order(framed: dict[str, Any], tmp_path: Path) -> None:
+    framed["frames"]["feet"].reverse()
+    assert "frames.feet: are of the legs ('RH', 'LH', 'RF', 'LF'); allowed is" in refusal(framed, tmp_path)
+
+
+def test_a_robot_in_the_plane_has_no_frames(planar: dict[str, Any], framed: dict[str, Any], tmp_path: Path) -> None:
+    said = refusal(planar | {"frames": framed["frames"] | {"feet": framed["frames"]["feet"][:2]}}, tmp_path)
+    assert said == "frames: need a robot with dimension 3; leave them out"

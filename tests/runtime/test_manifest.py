@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from gaitflow.runtime import ArtifactError, GaitMap
+from gaitflow.runtime import ArtifactError, Frames, GaitMap
 from gaitflow.runtime.files import LIMITS
 from gaitflow.runtime.manifest import encode
 from gaitflow.runtime.manifest_file import parse_manifest, read_manifest
@@ -150,3 +150,13 @@ def test_a_missing_field_is_refused(data: dict, name: str) -> None:
     content = json.dumps(data, sort_keys=True, indent=1).encode() if name == "manifest_sha256" else encode(data)
     with pytest.raises(ArtifactError):
         parse_manifest(content, "m")
+
+
+def test_frames_travel_in_the_scenario_and_are_checked(data: dict) -> None:
+    legs = [leg["name"] for leg in data["scenario"]["robot"]["legs"]]
+    feet = [{"leg": leg, "link": "foot", "contact_point": [0.0, 0.0, 0.0]} for leg in legs]
+    data["scenario"]["robot"]["frames"] = {"base_link": "base", "com_in_base": [0.0, 0.0, 0.1], "feet": feet}
+    assert Frames.of(parse_manifest(encode(data), "m").scenario).com_in_base == (0.0, 0.0, 0.1)
+    data["scenario"]["robot"]["frames"]["com_in_base"] = [0.0, 0.0]
+    with pytest.raises(ArtifactError, match=r"a scenario with a sound robot\.frames"):
+        parse_manifest(encode(data), "m")

@@ -45,6 +45,12 @@ def test_the_command_in_a_file_makes_that_file(
     again, shipped = load_robot(tmp_path / "again.yaml"), load_robot(path)
     np.testing.assert_allclose(numbers(again), numbers(shipped), atol=1.01e-6, rtol=0)
     assert (again.name, again.leg_names, again.mirror) == (shipped.name, shipped.leg_names, shipped.mirror)
+    assert again.frames is not None and shipped.frames is not None
+    assert again.frames.base_link == shipped.frames.base_link
+    np.testing.assert_allclose(again.frames.com_in_base, shipped.frames.com_in_base, atol=1.01e-6, rtol=0)
+    for one, other in zip(again.frames.feet, shipped.frames.feet, strict=True):
+        assert (one.leg, one.link) == (other.leg, other.link)
+        np.testing.assert_allclose(one.contact_point, other.contact_point, atol=1.01e-6, rtol=0)
     assert (tmp_path / "again.yaml").read_text().splitlines()[0] == path.read_text().splitlines()[0]
 
 
