@@ -40,23 +40,40 @@ def cheapest_duration(
     no duration, or the atlas believes no cost.
     """
 
-    def rate(duration: float) -> float:
-        place = np.array([duration if axis == AXIS else task[axis] for axis in atlas.axes])
-        costs, support = atlas.costs(place)
-        believed = support >= SUPPORT
-        if gait is not None:
-            believed &= [sheet.gait == gait for sheet in atlas.sheets]
-        return float(costs[believed].min(initial=math.inf)) / duration
-
+    rate = _rate(atlas, task, gait)
     found = [(*_least(rate, low, high, steps), low, high) for low, high, steps in _allowed(domain, task)]
     if not found:
         return None
     least, value, low, high = min(found)
-    if not math.isfinite(least):
+    return _chosen(task, value, least * scale, value in (low, high)) if math.isfinite(least) else None
+
+
+def same_duration(
+    atlas: Atlas, domain: Domain, task: Mapping[str, float], scale: float, gait: int, value: float
+) -> ChosenDuration | None:
+    """A cycle duration [s] that was chosen for another task, for a gait; None outside the domain or without a cost."""
+    if not domain.contains({**task, AXIS: value}):
         return None
+    least = _rate(atlas, task, gait)(value)
+    on_edge = any(value in (low, high) for low, high, _ in _allowed(domain, task))
+    return _chosen(task, value, least * scale, on_edge) if math.isfinite(least) else None
+
+
+def _rate(atlas: Atlas, task: Mapping[str, float], gait: int | None) -> Callable[[float], float]:
+    """The believed cost a second, the problem's, by duration: of the best gait or a given one, infinite without any."""
+    own = np.array([gait in (None, sheet.gait) for sheet in atlas.sheets], dtype=bool)
+
+    def rate(duration: float) -> float:
+        place = np.array([duration if axis == AXIS else task[axis] for axis in atlas.axes])
+        costs, support = atlas.costs(place)
+        return float(costs[own & (support >= SUPPORT)].min(initial=math.inf)) / duration
+
+    return rate
+
+
+def _chosen(task: Mapping[str, float], value: float, per_second: float, on_edge: bool) -> ChosenDuration:
     pace = math.hypot(task["speed"], task.get("lateral_speed", 0.0))
-    per_second = least * scale
-    return ChosenDuration(value, per_second, per_second / pace if pace else math.inf, value in (low, high))
+    return ChosenDuration(value, per_second, per_second / pace if pace else math.inf, on_edge)
 
 
 def _allowed(domain: Domain, task: Mapping[str, float]) -> list[tuple[float, float, int]]:

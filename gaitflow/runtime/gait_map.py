@@ -16,7 +16,7 @@ from gaitflow.core.errors import OutOfDomain
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.artifact import Artifact, load_artifact
 from gaitflow.runtime.choice import Choice, Choices
-from gaitflow.runtime.cycle_duration import AXIS, ChosenDuration, cheapest_duration
+from gaitflow.runtime.cycle_duration import AXIS, ChosenDuration, cheapest_duration, same_duration
 from gaitflow.runtime.hysteresis import MARGIN, checked_margin, is_kept
 from gaitflow.runtime.manifest import Gait, Manifest
 from gaitflow.runtime.plan import Asked, Plan, refine_ranked
@@ -90,14 +90,14 @@ class GaitMap:
         `beyond` asks for a guess all the same. The gait of the `previous` choice is kept as long as it is predicted to
         cost at most `margin` (relative) more than the cheapest one here, or a tenth of a step of the map's grid away.
         Without a cycle duration it is the one of least predicted cost a second among those in the domain, and `chosen`
-        says so. Raises ValueError for an argument that is no finite number, for an axis that the map does not have or
-        that is missing, and for a previous gait that it does not have; OutOfDomain where there is no cycle duration to
-        choose.
+        says so; that of the previous choice is kept within the margin, too. Raises ValueError for an argument that is
+        no finite number, for an axis that the map does not have or that is missing, and for a previous gait that it
+        does not have; OutOfDomain where there is no cycle duration to choose.
         """
         keep, margin = self._kept(previous), checked_margin(margin)
         task, chosen = self._task(speed, cycle_duration, axes)
-        if chosen is not None and keep is not None:
-            task, chosen = self._kept_duration(task, chosen, keep, margin)
+        if chosen is not None and keep is not None and previous is not None:
+            task, chosen = self._kept_duration(task, chosen, previous, margin)
         domain = self.manifest.domain
         inside = domain.contains(task)
         if not inside and not (beyond and self._questions.physical(task)):
@@ -207,13 +207,16 @@ class GaitMap:
         return values | {AXIS: chosen.value}, chosen
 
     def _kept_duration(
-        self, task: dict[str, float], chosen: ChosenDuration, gait: int, margin: float
+        self, task: dict[str, float], chosen: ChosenDuration, previous: Choice, margin: float
     ) -> tuple[dict[str, float], ChosenDuration]:
-        """The cycle duration of a gait to be kept, where at its best it is within the margin of the best of all."""
-        own = cheapest_duration(self._artifact.atlas, self.manifest.domain, task, self.manifest.cost_scale, gait)
-        if own is None or own.cost_per_second > (1 + margin) * chosen.cost_per_second:
-            return task, chosen
-        return task | {AXIS: own.value}, own
+        """The cycle duration of a choice before, or else the best one of its gait, within the margin of the best."""
+        known = (self._artifact.atlas, self.manifest.domain, task, self.manifest.cost_scale)
+        gait = self._index(str(previous.gait))
+        kept = None if previous.chosen is None else same_duration(*known, gait, previous.chosen.value)
+        for own in (kept, cheapest_duration(*known, gait)):
+            if own is not None and own.cost_per_second <= (1 + margin) * chosen.cost_per_second:
+                return task | {AXIS: own.value}, own
+        return task, chosen
 
     def _kept(self, previous: object) -> int | None:
         """The number of a previous choice's gait, None where it had none."""
