@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,10 +26,13 @@ PLAN_KEYS = (
 @click.command()
 @click.argument("artifact", type=click.Path(path_type=Path))
 @task_options
+@click.option("--gait", help="Plan this gait of the map instead of the cheapest.")
 @click.option("--beyond", is_flag=True, help="Plan also outside the map's domain; the motion is checked all the same.")
 @click.option("--trust-code", is_flag=True, help="Run the code that maps of formats 1 and 2 hold as their problem.")
 @json_option
-def plan(artifact: Path, axes: dict[str, Any], beyond: bool, trust_code: bool, as_json: bool) -> None:
+def plan(
+    artifact: Path, axes: dict[str, Any], gait: str | None, beyond: bool, trust_code: bool, as_json: bool
+) -> None:
     """Ask the map ARTIFACT for a gait and refine it into a feasible motion.
 
     ARTIFACT is a version's folder or its parent (the newest version then). A task needs a value on every axis that the
@@ -37,12 +41,13 @@ def plan(artifact: Path, axes: dict[str, Any], beyond: bool, trust_code: bool, a
     \b
     Example: gaitflow plan models/quickstart --speed 0.9 --cycle 0.6 --json
              gaitflow plan models/half-cheetah-exact-slopes --speed 0.9 --cycle 0.6 --slope -8
+             gaitflow plan models/anymal-exact-vibration --speed 0.6 --gait trot
     """
     from gaitflow.runtime import GaitMap, OutOfDomain
 
     with bad_input(), refused_artifact():
         try:
-            answer = GaitMap.load(artifact, trust_code=trust_code).plan(beyond=beyond, **axes)
+            answer = GaitMap.load(artifact, trust_code=trust_code).plan(gait=gait, beyond=beyond, **axes)
         except OutOfDomain as error:
             if as_json:
                 print_json(refused_data(axes))
@@ -56,15 +61,22 @@ def plan(artifact: Path, axes: dict[str, Any], beyond: bool, trust_code: bool, a
 
 
 def plan_data(answer: Plan) -> dict[str, Any]:
-    """A plan as plain data: its task and PLAN_KEYS; the trajectory is left out, numbers that do not exist are None."""
+    """A plan as plain data: its task, PLAN_KEYS, and `chosen`, what a duration left to the map costs, if one was.
+
+    The trajectory is left out, numbers that do not exist are None.
+    """
     data = {key: getattr(answer, key) for key in PLAN_KEYS} | {"durations": answer.durations.tolist()}
-    numbers = {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in data.items()}
-    return {"task": dict(answer.task), **numbers}
+    chosen = None if answer.chosen is None else _finite(vars(answer.chosen))
+    return {"task": dict(answer.task), **_finite(data), "chosen": chosen}
+
+
+def _finite(data: Mapping[str, Any]) -> dict[str, Any]:
+    return {k: None if isinstance(v, float) and not math.isfinite(v) else v for k, v in data.items()}
 
 
 def refused_data(axes: dict[str, float]) -> dict[str, Any]:
     """What stands in the place of a plan for a task outside the map's domain."""
-    return {"task": axes} | dict.fromkeys(PLAN_KEYS) | {"in_domain": False, "feasible": False, "path": "refused"}
+    return {"task": axes} | dict.fromkeys((*PLAN_KEYS, "chosen")) | {"in_domain": False, "feasible": False, "path": "refused"}
 
 
 def _say(answer: Plan) -> None:

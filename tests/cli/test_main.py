@@ -66,11 +66,24 @@ def test_the_stages_publish_a_map_that_answers_and_verifies(solved: Path) -> Non
     done = call(solved, "plan", str(model.parent), "--speed", "1.1", "--cycle", "0.6", "--json")
     plan = json.loads(done.stdout)
     assert done.exit_code == 0
-    assert set(plan) == {"task", *PLAN_KEYS} and plan["task"] == {"speed": 1.1, "cycle_duration": 0.6}
+    assert set(plan) == {"task", "chosen", *PLAN_KEYS} and plan["task"] == {"speed": 1.1, "cycle_duration": 0.6}
     assert plan["feasible"] and plan["violation"] <= 1e-6
     assert sum(plan["durations"]) == pytest.approx(0.6)
     assert plan["path"] == "fast" and plan["in_domain"] and 0 < plan["distance"] < 0.71
     assert 0 < plan["select_ms"] + plan["predict_ms"] + plan["refine_ms"] <= plan["time_ms"]
+    assert plan["chosen"] is None
+
+
+def test_a_plan_may_name_its_gait_and_leave_the_cycle_duration_to_the_map(solved: Path) -> None:
+    model = solved / "models/small"
+    done = call(solved, "plan", str(model), "--speed", "1.1", "--json")
+    plan = json.loads(done.stdout)
+    assert done.exit_code == 0 and plan["chosen"]["value"] == plan["task"]["cycle_duration"]
+    assert plan["chosen"]["cost_per_metre"] == pytest.approx(plan["chosen"]["cost_per_second"] / 1.1)
+    again = call(solved, "plan", str(model), "--speed", "1.1", "--cycle", "0.6", "--gait", plan["gait"], "--json")
+    assert again.exit_code == 0 and json.loads(again.stdout)["gait"] == plan["gait"]
+    unknown = call(solved, "plan", str(model), "--speed", "1.1", "--cycle", "0.6", "--gait", "moonwalk")
+    assert unknown.exit_code == 2 and "gait = 'moonwalk': the map has" in unknown.stderr
 
 
 def test_the_atlas_tells_its_nodes_and_how_the_predictors_did(solved: Path) -> None:
@@ -168,7 +181,7 @@ def test_out_of_domain_fails_and_nan_is_bad_input(solved: Path) -> None:
     assert far.exit_code == 1
     refused = json.loads(far.stdout)
     assert refused["in_domain"] is False and refused["feasible"] is False and refused["gait"] is None
-    assert set(refused) == {"task", *PLAN_KEYS}
+    assert set(refused) == {"task", "chosen", *PLAN_KEYS}
     assert "speed = 9 m/s is outside" in far.stderr
     beyond = call(solved, "plan", model, "--speed", "2.0", "--cycle", "0.6", "--beyond")
     assert "outside the map's domain, " in beyond.stdout and "feasible:    " in beyond.stdout
