@@ -18,8 +18,14 @@ from gaitflow.runtime.versions import resolve
 
 MAP = "map.bin"
 READER = ("gait_map.hpp", "atlas.hpp", "trajectory.hpp", "map_file.hpp", "map_data.hpp", "function.hpp")
+PLANNER = (
+    "planner.hpp", "refine.hpp", "starts.hpp", "interior_point.hpp", "point.hpp", "kkt.hpp", "paths.hpp", "ldlt.hpp",
+    "ordering.hpp", "program.hpp",
+)  # fmt: skip
+CMAKE = "gaitflow_map-config.cmake"
 SOURCES = ("map.h", *(f"{name}{suffix}" for name in FILES for suffix in (".c", ".h")))
-CONTENT = (MAP, *SOURCES, *READER)
+COPIED = (*READER, *PLANNER, CMAKE)
+CONTENT = (MAP, *SOURCES, *COPIED)
 
 
 @dataclass(frozen=True)
@@ -47,6 +53,6 @@ def export_c(model: Path, folder: Path, trust_code: bool = False) -> Exported:
     digest = hashlib.sha256(read_limited(source / MANIFEST, LIMITS[MANIFEST])).digest()
     written = {MAP: map_bytes(artifact, digest, network)}
     written |= c_files(load_problem(source, manifest, artifact.tensors.rows, trust_code), manifest.name)
-    written |= {name: files("gaitflow.export").joinpath("cpp", name).read_bytes() for name in READER}
+    written |= {name: files("gaitflow.export").joinpath("cpp", name).read_bytes() for name in COPIED}
     write_folder(folder, written)
     return Exported(source, folder, {name: len(data) for name, data in written.items()})

@@ -26,7 +26,7 @@ from gaitflow.runtime.tensors import GaitTensors
 from gaitflow.solvers.point import GaitSpace
 
 MAGIC = b"gaitmap\n"
-FORMAT = 2
+FORMAT = 3
 ALIGNMENT = 8
 _START = struct.Struct("<8sIIQ32s")  # magic, format, CRC-32 of all from byte 16 on, size of the file, digest
 
@@ -40,6 +40,7 @@ def map_bytes(artifact: Artifact, digest: bytes, network: Network) -> bytes:
         _axes(manifest.space),
         _domain(manifest.domain),
         _layout(manifest.layout, legs, tensors.rows),
+        [_array([manifest.cost_scale], "<f8")],
         _network(network),
         _gaits(manifest, tensors),
         _atlas(artifact.atlas),

@@ -1,20 +1,20 @@
-"""The C++ reader and the C functions give what Python gives; needs cc, g++ and make (apt-get install g++ make)."""
+"""The C++ reader and the C functions give what Python gives; needs cmake, cc and g++."""
 
 from __future__ import annotations
 
 import itertools
 import json
-import shutil
 import struct
 import subprocess
 import zlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import casadi
 import numpy as np
 import pytest
+from cpp_program import SANITIZED, built, lines, run
 
 from gaitflow.export import Exported
 from gaitflow.export.functions import c_files
@@ -25,46 +25,26 @@ from gaitflow.runtime.problem import load_problem
 from gaitflow.solvers.program import Program, derivatives
 
 pytestmark = pytest.mark.slow
-SANITIZED = "-O1 -g -Wall -Wextra -Werror -fsanitize=address,undefined -fno-sanitize-recover=all"
-
-
-def built(checkout: Path, export: Path, build: Path, flags: str = "") -> Path:
-    for tool in ("make", "cc", "g++"):
-        assert shutil.which(tool), f"{tool} is missing, so the export cannot be tested: apt-get install g++ make"
-    command = ["make", "-C", str(checkout / "examples/cpp"), f"EXPORT={export}", f"BUILD={build}", "CC=cc", "CXX=g++"]
-    if flags:
-        command.append(f"CXXFLAGS={flags}")
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return build / "ask"
-
-
-def run(program: Path, map_file: Path, text: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([str(program), str(map_file)], input=text, capture_output=True, text=True, check=False)
-
-
-def lines(tasks: Iterable[Sequence[float]]) -> str:
-    return "".join(" ".join(repr(float(value)) for value in task) + "\n" for task in tasks)
 
 
 @pytest.fixture(scope="module")
-def programs(checkout: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[Exported], Path]:
+def programs(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Exported], Path]:
     """The example built with an export, once for each of the problems."""
     done: dict[bytes, Path] = {}
 
     def program(export: Exported) -> Path:
         problem = (export.folder / "problem.c").read_bytes()
         if problem not in done:
-            done[problem] = built(checkout, export.folder, tmp_path_factory.mktemp("build"))
+            done[problem] = built(export.folder, tmp_path_factory.mktemp("build"), "ask")
         return done[problem]
 
     return program
 
 
 @pytest.fixture(scope="module")
-def guarded(checkout: Path, exported: Exported, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def guarded(exported: Exported, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The example with the address and undefined-behaviour sanitizers in its C++ part."""
-    return built(checkout, exported.folder, tmp_path_factory.mktemp("guarded"), SANITIZED)
+    return built(exported.folder, tmp_path_factory.mktemp("guarded"), "ask", f"{SANITIZED}address,undefined")
 
 
 def tasks_of(model: Path) -> list[tuple[float, ...]]:
@@ -203,7 +183,7 @@ def resealed(content: bytes) -> bytes:
         (lambda content: b"PK" + content[2:], "this is no map.bin"),
         (lambda content: content[:2000] + bytes([content[2000] ^ 1]) + content[2001:], "its checksum is wrong"),
         (lambda content: content[:30] + bytes([content[30] ^ 1]) + content[31:], "its checksum is wrong"),
-        (lambda content: content[:8] + struct.pack("<I", 1) + content[12:], "has format 1, this reader knows format 2"),
+        (lambda content: content[:8] + struct.pack("<I", 1) + content[12:], "has format 1, this reader knows format 3"),
         (lambda content: resealed(content + b"\0" * 8), "something follows after its end"),
         (lambda content: resealed(content[:-8]), "longer than the file"),
         (lambda content: resealed(content[:56] + struct.pack("<Q", 2**63) + content[64:]), "a text is too long"),

@@ -18,6 +18,12 @@ struct SheetCost {
   double cost, support;
 };
 
+// A sheet's point [ny] on the central path, and its cost, the problem's.
+struct Prediction {
+  Vector point;
+  double cost = 0;
+};
+
 class AtlasView {
  public:
   explicit AtlasView(const Atlas& atlas) : atlas_(atlas), axes_(atlas.steps.size()) {}
@@ -110,13 +116,34 @@ class AtlasView {
       log += share * own;
       for (std::size_t mode = 0; mode < modes; ++mode) along[mode] += share * coordinates[mode];
     }
-    point.assign(sheet.mean.begin(), sheet.mean.end());
-    for (std::size_t mode = 0; mode < modes; ++mode) {
-      const float* direction = sheet.modes.data() + mode * point.size();
-      for (std::size_t i = 0; i < point.size(); ++i) point[i] += along[mode] * static_cast<double>(direction[i]);
-    }
+    point = point_at(sheet, along);
     cost = std::exp(std::clamp(log, -largest_log, largest_log));
     return true;
+  }
+
+  // First-order predictions of the `count` nodes nearest to a place, nearest first. Nodes out of reach are taken as they
+  // are: so far no tangent leads.
+  std::vector<Prediction> nearest(const Sheet& sheet, const Vector& place, std::size_t count) const {
+    const Vector asked = in_steps(place);
+    std::vector<Prediction> found;
+    for (const Near& each : around(sheet, asked, count)) {
+      const Vector away = each.distance < atlas_.reach ? offset(sheet, each.node, asked) : Vector(axes_, 0.0);
+      const double log = std::clamp(promise(sheet, each.node, away), -largest_log, largest_log);
+      found.push_back({point_at(sheet, moved(sheet, each.node, away)), std::exp(log)});
+    }
+    return found;
+  }
+
+  // What a sheet may cost at a place where its cost rises ever faster, as before a cliff: the largest promise of the 2^a
+  // nearest nodes within reach. Infinite where the cost is not believed.
+  double least_cost(const Sheet& sheet, const Vector& place) const {
+    double most = -std::numeric_limits<double>::infinity();
+    if (cost(sheet, place).support < atlas_.support) return -most;
+    const Vector asked = in_steps(place);
+    for (const Near& each : around(sheet, asked, std::size_t{1} << axes_))
+      if (each.distance < atlas_.reach)
+        most = std::max(most, promise(sheet, each.node, offset(sheet, each.node, asked)));
+    return std::exp(std::min(most, largest_log));
   }
 
  private:
@@ -156,16 +183,42 @@ class AtlasView {
 
   // The nodes within reach, the nearest first.
   std::vector<Near> within_reach(const Sheet& sheet, const Vector& asked) const {
+    std::vector<Near> near = around(sheet, asked, sheet.nodes, atlas_.reach);
+    for (Near& each : near) each.weight = weight(each.distance);
+    return near;
+  }
+
+  // The `count` nodes nearest to a place, of those nearer than `reach`, the nearest first; without weights.
+  std::vector<Near> around(const Sheet& sheet, const Vector& asked, std::size_t count,
+                           double reach = std::numeric_limits<double>::infinity()) const {
     std::vector<Near> near;
     for (std::size_t node = 0; node < sheet.nodes; ++node) {
       double distance = 0;
       for (std::size_t axis = 0; axis < axes_; ++axis)
         distance = std::hypot(distance, sheet.places[node * axes_ + axis] - asked[axis]);
-      if (distance < atlas_.reach) near.push_back({node, distance, weight(distance)});
+      if (distance < reach) near.push_back({node, distance, 0.0});
     }
     std::stable_sort(near.begin(), near.end(),
                      [](const Near& one, const Near& other) { return one.distance < other.distance; });
+    near.resize(std::min(near.size(), count), {});
     return near;
+  }
+
+  // The logarithm of the cost that a node promises, by its slope, at an offset from it.
+  double promise(const Sheet& sheet, std::size_t node, const Vector& away) const {
+    double log = sheet.log_costs[node];
+    for (std::size_t axis = 0; axis < axes_; ++axis) log -= away[axis] * sheet.slopes[node * axes_ + axis];
+    return log;
+  }
+
+  // The point [ny] at coordinates along a sheet's modes.
+  static Vector point_at(const Sheet& sheet, const Vector& coordinates) {
+    Vector point(sheet.mean.begin(), sheet.mean.end());
+    for (std::size_t mode = 0; mode < coordinates.size(); ++mode) {
+      const float* direction = sheet.modes.data() + mode * point.size();
+      for (std::size_t i = 0; i < point.size(); ++i) point[i] += coordinates[mode] * static_cast<double>(direction[i]);
+    }
+    return point;
   }
 
   // A node's coordinates, moved against an offset along its tangents.

@@ -5,7 +5,9 @@
 //   problem({w.data(), task});  // then problem.result(0) is the cost, problem.result(1) are the rows
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -53,11 +55,11 @@ class Function {
   }
 
   // Evaluate at one pointer an input. Throws std::invalid_argument for another number of them.
-  void operator()(const std::vector<const double*>& inputs) {
+  void operator()(std::initializer_list<const double*> inputs) {
     if (inputs.size() != static_cast<std::size_t>(symbols_.inputs()))
       throw std::invalid_argument(std::string(symbols_.name) + ": takes " + std::to_string(symbols_.inputs()) +
                                   " inputs, got " + std::to_string(inputs.size()));
-    for (std::size_t i = 0; i < inputs.size(); ++i) arguments_[i] = inputs[i];
+    std::copy(inputs.begin(), inputs.end(), arguments_.begin());
     for (std::size_t i = 0; i < results_.size(); ++i) targets_[i] = results_[i].data();
     if (symbols_.evaluate(arguments_.data(), targets_.data(), integers_.data(), numbers_.data(), 0) != 0)
       throw std::runtime_error(std::string(symbols_.name) + ": failed");

@@ -39,6 +39,12 @@ struct WarmStart {
   Vector primal, multipliers_bounds, multipliers_rows;
 };
 
+// Gait number `gait` of the map by a sheet of its atlas, or, with nullptr, from the mean of its region.
+struct Candidate {
+  std::size_t gait;
+  const Sheet* sheet;
+};
+
 class GaitMap {
  public:
   // Throws MapError for a file that is missing, damaged or of another format.
@@ -141,10 +147,26 @@ class GaitMap {
   Choice select(const Vector& place) const {
     if (!contains(place)) return {false, nullptr, 0.0, {}};
     std::vector<float> all = probabilities(place);
-    const std::vector<const Sheet*> known = AtlasView(map_.atlas).ranked(place);
-    const auto likeliest = static_cast<std::size_t>(std::max_element(all.begin(), all.end()) - all.begin());
-    const std::size_t best = known.empty() ? likeliest : known.front()->gait;
+    const std::size_t best = candidates(place, all).front().gait;
     return {true, &map_.gaits[best], static_cast<double>(all[best]), std::move(all)};
+  }
+
+  // Every gait once, in the order in which it is chosen and tried: those that the atlas knows by predicted cost, its
+  // believed ones first; then the others by probability.
+  std::vector<Candidate> candidates(const Vector& place, const std::vector<float>& probabilities) const {
+    std::vector<Candidate> every;
+    std::vector<bool> known(map_.gaits.size(), false);
+    for (const Sheet* sheet : AtlasView(map_.atlas).ranked(place)) {
+      every.push_back({sheet->gait, sheet});
+      known[sheet->gait] = true;
+    }
+    const auto others = static_cast<std::ptrdiff_t>(every.size());
+    for (std::size_t gait = 0; gait < known.size(); ++gait)
+      if (!known[gait]) every.push_back({gait, nullptr});
+    std::stable_sort(every.begin() + others, every.end(), [&](const Candidate& one, const Candidate& other) {
+      return probabilities[one.gait] > probabilities[other.gait];
+    });
+    return every;
   }
 
   // Predicted by the atlas; the mean of the gait's region where the atlas does not know the gait.

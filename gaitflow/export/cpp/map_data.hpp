@@ -89,6 +89,7 @@ struct MapFile {
   Layout layout;
   std::vector<Layer> layers;
   float temperature;
+  double cost_scale;  // times the problem's cost: that in the scenario's units
   std::vector<Gait> gaits;
   Atlas atlas;
 };

@@ -28,7 +28,7 @@ struct MapError : std::runtime_error {
 namespace detail {
 
 constexpr std::size_t start_size = 56, checked_from = 16, most_bytes = std::size_t{1} << 30;
-constexpr std::uint32_t known_format = 2;
+constexpr std::uint32_t known_format = 3;
 
 // CRC-32 as in zlib and PNG.
 inline std::uint32_t crc32(const unsigned char* bytes, std::size_t count) {
@@ -280,7 +280,7 @@ inline MapFile read_map(const std::string& path) {
   std::memcpy(&size, bytes.data() + 16, 8);
   if (std::memcmp(bytes.data(), "gaitmap\n", 8) != 0) file.refuse("this is no map.bin");
   if (format != detail::known_format)
-    file.refuse("has format " + std::to_string(format) + ", this reader knows format 2; take the reader beside it");
+    file.refuse("has format " + std::to_string(format) + ", this reader knows format 3; take the reader beside it");
   if (size != bytes.size())
     file.refuse(std::to_string(bytes.size()) + " bytes, but it should have " + std::to_string(size));
   if (crc != detail::crc32(bytes.data() + detail::checked_from, bytes.size() - detail::checked_from))
@@ -292,6 +292,8 @@ inline MapFile read_map(const std::string& path) {
   map.task = detail::read_task(file);
   map.domain = detail::read_domain(file, map.task.ranged.size());
   map.layout = detail::read_layout(file);
+  map.cost_scale = file.finite<double>(1)[0];
+  file.require(map.cost_scale > 0, "the cost's scale is not positive");
   detail::read_network(file, map);
   detail::read_gaits(file, map);
   detail::read_atlas(file, map);

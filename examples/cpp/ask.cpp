@@ -9,12 +9,11 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
-#include <iostream>
 #include <stdexcept>
-#include <string>
 
 #include "function.hpp"
 #include "gait_map.hpp"
+#include "lines.hpp"
 #include "map.h"
 #include "trajectory.hpp"
 
@@ -24,14 +23,6 @@ using Clock = std::chrono::steady_clock;
 
 double microseconds(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double, std::micro>(to - from).count();
-}
-
-void print(const char* name, double value) { std::printf(", \"%s\": %.17g", name, value); }
-
-void print(const char* name, const gaitflow::Vector& values) {
-  std::printf(", \"%s\": [", name);
-  for (std::size_t i = 0; i < values.size(); ++i) std::printf(i == 0 ? "%.17g" : ", %.17g", values[i]);
-  std::printf("]");
 }
 
 class Problem {
@@ -69,17 +60,6 @@ class Problem {
   gaitflow::Function value_, gradient_, jacobian_;
 };
 
-// The place in the next line; false at the end of the input. Throws for anything but numbers, and for too few of them.
-bool read(gaitflow::Vector& place, std::size_t line) {
-  for (double& value : place) {
-    if (std::cin >> value) continue;
-    if (&value == &place.front() && std::cin.eof()) return false;
-    throw std::runtime_error("line " + std::to_string(line) + ": write " + std::to_string(place.size()) +
-                             " numbers, a value for each of the map's axes");
-  }
-  return true;
-}
-
 void answer_all(const gaitflow::GaitMap& map) {
   Problem problem(map.layout(), map.file().task.names.size());
   gaitflow::Vector place(map.axes().size());
@@ -97,7 +77,8 @@ void answer_all(const gaitflow::GaitMap& map) {
       const gaitflow::WarmStart start = map.warm_start(*choice.gait, place);
       start_us += microseconds(chosen, Clock::now());
       ++starts;
-      std::printf(", \"gait\": \"%s\", \"pattern\": \"%s\"", choice.gait->name.c_str(), start.pattern->c_str());
+      print("gait", choice.gait->name);
+      print("pattern", *start.pattern);
       print("probability", choice.probability);
       print("probabilities", gaitflow::Vector(choice.probabilities.begin(), choice.probabilities.end()));
       print("primal", start.primal);

@@ -1,0 +1,211 @@
+// The KKT matrix of one gait: one sparsity, one order, one symbolic factorisation, however often it is solved.
+//
+//     [ H + D_w      J_E^T      J_I^T    ]   variables that the gait leaves free [nF]
+//     [ J_E         -d                   ]   equality rows [nE]
+//     [ J_I                     -D_I     ]   inequality rows [nI], their slacks eliminated
+//
+// As gaitflow/solvers/kkt.py: variables that move together are one unknown, the rows that join them none.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "ldlt.hpp"
+#include "map_data.hpp"
+#include "paths.hpp"
+#include "program.hpp"
+
+namespace gaitflow {
+
+// The variables [nw] with those that a gait fixes at their values, 0 elsewhere.
+inline Vector fixed_variables(const Space& space) {
+  Vector w(space.lower);
+  for (const std::size_t i : space.free) w[i] = 0;
+  return w;
+}
+
+// For one thread; takes memory only when it is made.
+class Kkt {
+ public:
+  Kkt(Program& program, const Space& space)
+      : program_(program), free_(space.free.size()), equal_(space.equal.size()), rows_(equal_ + space.unequal.size()) {
+    find_entries(space);
+    groups_ = paths_.groups(free_);
+    for (const std::size_t group : groups_) unknowns_ = std::max(unknowns_, group + 1);
+    std::vector<bool> joins(rows_, false), moves(free_, false);
+    for (const PathNode& node : paths_.nodes()) {
+      moves[node.variable] = true;
+      if (node.sign != 0) joins[node.row] = true;
+    }
+    for (std::size_t row = 0; row < rows_; ++row)
+      if (!joins[row]) kept_.push_back(row);
+    for (HessianEntry& entry : hessian_) {
+      entry.twice = groups_[entry.top] == groups_[entry.left] && entry.top != entry.left ? 2.0 : 1.0;
+      entry.of_paths = moves[entry.top] || moves[entry.left];
+    }
+    for (JacobianEntry& entry : jacobian_) {
+      entry.kept = !joins[entry.row];
+      entry.of_paths = moves[entry.column] && entry.kept;
+    }
+    build();
+    diagonal_.resize(free_), offsets_.resize(free_), sums_.resize(free_);
+    row_sums_.resize(rows_), reduced_.resize(free_ + rows_), joined_.resize(ldlt_.size());
+  }
+
+  double last_lift = 0;  // what H's diagonal was raised by; to be set to 0 where a run begins
+
+  // J^T * multipliers [nF] at the program's last slopes; multipliers [nE + nI], equality rows first.
+  void transposed_jacobian(const Vector& multipliers, Vector& product) const {
+    product.assign(free_, 0.0);
+    const Vector& values = program_.jacobian();
+    for (const JacobianEntry& entry : jacobian_) product[entry.column] += values[entry.from] * multipliers[entry.row];
+  }
+
+  // Factorise it with the program's Hessian over `unit`, D_w = variables [nF] and D_I = unequal [nI]. `correct`: raise
+  // H's diagonal until there are as many negative pivots as rows, as there are at a minimum. False where that fails.
+  bool factorise(double unit, const Vector& variables, const Vector& unequal, bool correct) {
+    const Vector &hessian = program_.hessian(), &jacobian = program_.jacobian();
+    for (HessianEntry& entry : hessian_) entry.value = hessian[entry.from] / unit;
+    for (JacobianEntry& entry : jacobian_) entry.value = jacobian[entry.from];
+    double lift = primal, raised = std::max(least_lift, last_lift / 3);
+    for (int tried = 0; tried < corrections; ++tried) {
+      std::size_t place = 0;
+      ldlt_.clear();
+      for (const HessianEntry& entry : hessian_) ldlt_.at(place++) += entry.twice * entry.value;
+      for (const JacobianEntry& entry : jacobian_)
+        if (entry.kept) ldlt_.at(place++) += entry.value;
+      for (std::size_t i = 0; i < free_; ++i) ldlt_.at(place++) += diagonal_[i] = variables[i] + lift;
+      for (const std::size_t row : kept_) ldlt_.at(place++) += row < equal_ ? -dual : -unequal[row - equal_] - dual;
+      if (ldlt_.factorise() && (!correct || ldlt_.signs() == std::make_pair(kept_.size(), unknowns_))) {
+        last_lift = lift > primal ? lift : last_lift / 10;
+        return true;
+      }
+      lift = raised;
+      raised *= raise;
+    }
+    return false;
+  }
+
+  // The solution [nF + nE + nI] by the last factorisation; rows that join variables are met exactly.
+  void solve(const Vector& right, Vector& solution) {
+    reduced_ = right;
+    if (paths_.offsets(right.data() + free_, offsets_) > rounding) {
+      times(offsets_, nullptr, false);
+      for (std::size_t i = 0; i < free_; ++i) reduced_[i] -= sums_[i];
+      for (std::size_t i = 0; i < rows_; ++i) reduced_[free_ + i] -= row_sums_[i];
+    }
+    std::fill(joined_.begin(), joined_.end(), 0.0);
+    for (std::size_t i = 0; i < free_; ++i) joined_[groups_[i]] += reduced_[i];
+    for (std::size_t i = 0; i < kept_.size(); ++i) joined_[unknowns_ + i] = reduced_[free_ + kept_[i]];
+    ldlt_.solve(joined_);
+    solution.assign(free_ + rows_, 0.0);
+    for (std::size_t i = 0; i < free_; ++i) solution[i] = joined_[groups_[i]] + offsets_[i];
+    for (std::size_t i = 0; i < kept_.size(); ++i) solution[free_ + kept_[i]] = joined_[unknowns_ + i];
+    times(solution, solution.data() + free_, true);
+    for (std::size_t i = 0; i < free_; ++i) sums_[i] = right[i] - sums_[i];
+    paths_.multipliers(sums_, solution.data() + free_);
+  }
+
+  std::size_t size() const { return ldlt_.size(); }
+  std::size_t factor_entries() const { return ldlt_.factor_entries(); }
+
+ private:
+  static constexpr double dual = 1e-8;    // -d: keeps multipliers in place where rows depend on each other
+  static constexpr double primal = 1e-6;  // added to H's diagonal, which alone need not have an inverse
+  static constexpr double least_lift = 1e-4, raise = 8.0;
+  static constexpr int corrections = 12;
+  static constexpr double rounding = 1e-14;  // of right sides
+
+  struct HessianEntry {
+    std::size_t from, top, left;  // its place among the program's values; two free variables, top <= left
+    double twice, value;          // two variables that are one unknown meet on the diagonal, from both sides
+    bool of_paths;
+  };
+  struct JacobianEntry {
+    std::size_t from, row, column;
+    double value;
+    bool kept, of_paths;
+  };
+
+  // (H + D_w) * variables + J^T * multipliers [nF] in sums_, J * variables [nE + nI] in row_sums_; of all entries, or
+  // for variables on paths only. No multipliers: zeros.
+  void times(const Vector& variables, const double* multipliers, bool of_paths) {
+    for (std::size_t i = 0; i < free_; ++i) sums_[i] = diagonal_[i] * variables[i];
+    std::fill(row_sums_.begin(), row_sums_.end(), 0.0);
+    for (const HessianEntry& entry : hessian_) {
+      if (of_paths && !entry.of_paths) continue;
+      sums_[entry.top] += entry.value * variables[entry.left];
+      if (entry.top != entry.left) sums_[entry.left] += entry.value * variables[entry.top];
+    }
+    for (const JacobianEntry& entry : jacobian_) {
+      if (of_paths && !entry.of_paths) continue;
+      if (multipliers) sums_[entry.column] += entry.value * multipliers[entry.row];
+      row_sums_[entry.row] += entry.value * variables[entry.column];
+    }
+  }
+
+  // Many a value of the program is 0 whatever the motion, as a force or a velocity that the gait fixes is a factor.
+  // Those of two motions without any meaning tell which.
+  void find_entries(const Space& space) {
+    const std::size_t none = std::numeric_limits<std::size_t>::max();
+    Indices variable(space.lower.size(), none), row(space.lower_rows.size(), none);
+    for (std::size_t i = 0; i < free_; ++i) variable[space.free[i]] = i;
+    for (std::size_t i = 0; i < equal_; ++i) row[space.equal[i]] = i;
+    for (std::size_t i = equal_; i < rows_; ++i) row[space.unequal[i - equal_]] = i;
+    Vector hessian, jacobian, w = fixed_variables(space), task(program_.parameters()), multipliers(row.size());
+    std::mt19937_64 random;
+    const auto number = [&random] { return 0.1 + 0.8 * static_cast<double>(random() >> 11) * 0x1p-53; };
+    for (int motion = 0; motion < 2; ++motion) {
+      if (motion == 1) hessian = program_.hessian(), jacobian = program_.jacobian();
+      for (const std::size_t i : space.free) w[i] = number();
+      for (double& each : task) each = number();
+      for (double& each : multipliers) each = number();
+      program_.evaluate_slopes(w, task);
+      program_.evaluate_hessian(w, task, multipliers);
+    }
+    for (std::size_t k = 0; k < hessian.size(); ++k) {
+      const auto& [top, left] = program_.hessian_places()[k];
+      if (variable[top] == none || variable[left] == none || (hessian[k] == 0 && program_.hessian()[k] == 0)) continue;
+      hessian_.push_back({k, variable[top], variable[left], 1.0, 0.0, false});
+    }
+    std::vector<Entry> constant;  // or NaN
+    for (std::size_t k = 0; k < jacobian.size(); ++k) {
+      const std::size_t at = row[program_.jacobian_places()[k].first];
+      const std::size_t column = variable[program_.jacobian_places()[k].second];
+      const double value = jacobian[k], other = program_.jacobian()[k];
+      if (at == none || column == none || (value == 0 && other == 0)) continue;
+      jacobian_.push_back({k, at, column, 0.0, false, false});
+      if (at < equal_) constant.push_back({at, column, value == other ? value : std::nan("")});
+    }
+    paths_ = Paths(constant, equal_, free_);
+  }
+
+  // The places of all entries, in the order in which `factorise` adds them.
+  void build() {
+    Indices number(rows_, 0);
+    for (std::size_t i = 0; i < kept_.size(); ++i) number[kept_[i]] = unknowns_ + i;
+    Places places;
+    for (const HessianEntry& entry : hessian_) places.emplace_back(groups_[entry.top], groups_[entry.left]);
+    for (const JacobianEntry& entry : jacobian_)
+      if (entry.kept) places.emplace_back(groups_[entry.column], number[entry.row]);
+    for (const std::size_t group : groups_) places.emplace_back(group, group);
+    for (const std::size_t row : kept_) places.emplace_back(number[row], number[row]);
+    ldlt_ = Ldlt(unknowns_ + kept_.size(), places);
+  }
+
+  Program& program_;
+  std::size_t free_, equal_, rows_, unknowns_ = 0;
+  std::vector<HessianEntry> hessian_;
+  std::vector<JacobianEntry> jacobian_;
+  Paths paths_;
+  Indices groups_, kept_;  // the unknown of each variable; the rows that join none
+  Ldlt ldlt_;
+  Vector diagonal_, offsets_, sums_, row_sums_, reduced_, joined_;
+};
+
+}  // namespace gaitflow
