@@ -17,7 +17,7 @@ from gaitflow.cli.options import json_option
     "folder",
     required=True,
     type=click.Path(path_type=Path),
-    help="The folder to write: C functions, map.bin, and a C++17 reader.",
+    help="The folder to write: C functions, map.bin, and a C++17 planner.",
 )
 @click.option("--trust-code", is_flag=True, help="Run the code that maps of formats 1 and 2 hold as their problem.")
 @json_option

@@ -51,7 +51,7 @@ def test_it_holds_the_map(which: str, request: pytest.FixtureRequest) -> None:
     layout, domain, axes = manifest.layout, manifest.domain, manifest.space.ranged
 
     magic, number, crc, size, digest = struct.unpack("<8sIIQ32s", content[:56])
-    assert (magic, number, size) == (b"gaitmap\n", 2, len(content))
+    assert (magic, number, size) == (b"gaitmap\n", 3, len(content))
     assert crc == zlib.crc32(content[16:])
     assert digest == hashlib.sha256((exported.model / "manifest.json").read_bytes()).digest()
 
@@ -77,6 +77,7 @@ def test_it_holds_the_map(which: str, request: pytest.FixtureRequest) -> None:
     assert [items.text() for _ in range(layout.legs)] == ["F", "H"]
     assert np.array_equal(items.array("<f8", layout.knots_per_phase), layout.shares)
     assert np.array_equal(items.array("<f8", layout.nw), layout.scale(1.0))
+    assert items.array("<f8", 1).tolist() == [manifest.cost_scale]
 
     for layer in range(items.counts(1)[0]):
         outputs, inputs = items.counts(2)

@@ -100,9 +100,7 @@ def test_what_the_atlas_does_not_know_is_planned_from_the_mean(
             assert answer["cost"] == pytest.approx(plan.cost, rel=1e-6)
 
 
-def test_what_does_not_converge_says_so(
-    program: Path, tiny: TinyMap, export_of: Callable[[TinyMap], Exported]
-) -> None:
+def test_what_does_not_converge_says_so(program: Path, tiny: TinyMap, export_of: Callable[[TinyMap], Exported]) -> None:
     lost = tuple(replace(start, primal=np.full_like(start.primal, 50.0)) for start in tiny.starts)
     export = export_of(replace(tiny, atlas=Atlas.empty(tiny.atlas.axes), starts=lost))
     answers = planned(program, export, [(0.9, 0.6), (99.0, 0.6)])

@@ -47,21 +47,26 @@ class Starts {
     }
     const Space& space = candidate_.sheet->space;
     if (known_ && number == 0) {
-      start = {decoded(space, predicted_.point), predicted_.cost, map_.file().atlas.barrier, 25, true};
+      start = {decoded(space, predicted_.point), predicted_.cost, map_.file().atlas.barrier,
+               predicted_limit, true};
       return true;
     }
     if (known_ && number == 1) {
-      start = {primal_of(decoded(space, predicted_.point)), predicted_.cost, 1e-2, 30, false};
+      start = {primal_of(decoded(space, predicted_.point)), predicted_.cost, primal_barrier, primal_limit,
+               false};
       return true;
     }
     const std::size_t node = number - (known_ ? 2 : 0);
     if (node == 0) nodes_ = atlas_.nearest(*candidate_.sheet, place_, nearest_nodes);
     if (node >= nodes_.size()) return false;
-    start = {decoded(space, nodes_[node].point), nodes_[node].cost, 1e-3, 25, false};
+    start = {decoded(space, nodes_[node].point), nodes_[node].cost, node_barrier, node_limit, false};
     return true;
   }
 
  private:
+  // As in refine.py, where they are explained.
+  static constexpr std::size_t predicted_limit = 25, primal_limit = 30, node_limit = 25, mean_limit = 30;
+  static constexpr double primal_barrier = 1e-2, node_barrier = 1e-3, mean_barrier = 1e-2;
   static constexpr std::size_t nearest_nodes = 2;
   static constexpr double least_cost = 1e-9;
 
@@ -69,7 +74,8 @@ class Starts {
     const Gait& gait = map_.gaits()[candidate_.gait];
     program_.evaluate_rows(gait.primal, task_);
     const double unit = std::max(program_.cost(), least_cost);
-    return {split(gait.space, gait.primal, gait.multipliers_bounds, gait.multipliers_rows, unit), unit, 1e-2, 30, false};
+    return {split(gait.space, gait.primal, gait.multipliers_bounds, gait.multipliers_rows, unit), unit, mean_barrier,
+            mean_limit, false};
   }
 
   const GaitMap& map_;

@@ -1,0 +1,44 @@
+"""Numbers that the C++ planner has from Python are Python's."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from gaitflow.core import check
+from gaitflow.runtime import gait_map, plan, refine
+from gaitflow.solvers import interior_point, kkt, point
+
+CONSTANTS = {
+    "interior_point.hpp": {
+        "row_limit": interior_point.ROWS, "cost_limit": interior_point.COST, "dual_limit": interior_point.DUAL,
+        "gap": interior_point.GAP, "largest_row": interior_point.LARGEST_ROW, "nearest": interior_point.NEAREST,
+        "near": interior_point.NEAR, "least_stiffness": interior_point.LEAST_STIFFNESS, "held": interior_point.HELD,
+        "short_step": interior_point.SHORT, "largest_multiplier": interior_point.LARGEST_MULTIPLIER,
+        "unmet": interior_point.UNMET, "early": interior_point.EARLY,
+    },
+    "kkt.hpp": {
+        "dual": kkt.DUAL, "primal": kkt.PRIMAL, "least_lift": kkt.LEAST_LIFT, "raise": kkt.RAISE,
+        "corrections": kkt.CORRECTIONS, "rounding": kkt.ROUNDING,
+    },
+    "point.hpp": {"largest_log": point.LARGEST_LOG},
+    "starts.hpp": {
+        "predicted_limit": refine.PREDICTED_LIMIT, "primal_barrier": refine.PRIMAL_BARRIER,
+        "primal_limit": refine.PRIMAL_LIMIT, "node_barrier": refine.NODE_BARRIER, "node_limit": refine.NODE_LIMIT,
+        "mean_barrier": refine.MEAN_BARRIER, "mean_limit": refine.MEAN_LIMIT, "nearest_nodes": refine.NODES,
+        "most": 2 + refine.NODES, "least_cost": refine.LEAST_COST,
+    },
+    "refine.hpp": {"feasible_within": check.FEASIBLE},
+    "planner.hpp": {"least_saving": plan.LEAST_SAVING, "much": plan.OFF},
+    "gait_map.hpp": {"farthest": gait_map.FARTHEST},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("header", CONSTANTS)
+def test_the_headers_have_python_s(checkout: Path, header: str) -> None:
+    text = (checkout / "gaitflow/export/cpp" / header).read_text(encoding="utf-8")
+    declared = re.findall(r"constexpr [\w:]+ ([^;]+);", text)
+    found = {name: float(value) for each in declared for name, value in re.findall(r"(\w+) = ([\d.e-]+)(?:,|$)", each)}
+    assert {name: found.get(name) for name in CONSTANTS[header]} == CONSTANTS[header]
