@@ -19,7 +19,7 @@ from gaitflow.core.task import AXES
 from gaitflow.core.task_space import TaskSpace
 from gaitflow.export.network import Network
 from gaitflow.runtime.artifact import Artifact
-from gaitflow.runtime.atlas import SUPPORT, Atlas
+from gaitflow.runtime.atlas import DOUBT, SUPPORT, Atlas
 from gaitflow.runtime.manifest import Manifest
 from gaitflow.runtime.nearby import NEAREST, REACH
 from gaitflow.runtime.tensors import GaitTensors
@@ -94,7 +94,7 @@ def _gaits(manifest: Manifest, tensors: GaitTensors) -> Iterator[bytes]:
 
 def _atlas(atlas: Atlas) -> Iterator[bytes]:
     yield _array(atlas.steps, "<f8")
-    yield _array([atlas.barrier, REACH, NEAREST, SUPPORT], "<f8")
+    yield _array([atlas.barrier, REACH, NEAREST, SUPPORT, DOUBT], "<f8")
     yield _counts(len(atlas.sheets))
     for sheet in atlas.sheets:
         yield _counts(sheet.gait)

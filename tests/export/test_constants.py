@@ -25,13 +25,11 @@ CONSTANTS = {
     },
     "point.hpp": {"largest_log": point.LARGEST_LOG},
     "starts.hpp": {
-        "predicted_limit": refine.PREDICTED_LIMIT, "primal_barrier": refine.PRIMAL_BARRIER,
-        "primal_limit": refine.PRIMAL_LIMIT, "node_barrier": refine.NODE_BARRIER, "node_limit": refine.NODE_LIMIT,
-        "mean_barrier": refine.MEAN_BARRIER, "mean_limit": refine.MEAN_LIMIT, "nearest_nodes": refine.NODES,
-        "most": 2 + refine.NODES, "least_cost": refine.LEAST_COST,
+        "primal_barrier": refine.PRIMAL_BARRIER, "node_barrier": refine.NODE_BARRIER,
+        "mean_barrier": refine.MEAN_BARRIER, "least_cost": refine.LEAST_COST,
     },
-    "refine.hpp": {"feasible_within": check.FEASIBLE},
-    "planner.hpp": {"least_saving": plan.LEAST_SAVING, "much": plan.OFF},
+    "refine.hpp": {"feasible_within": check.FEASIBLE, "limit": refine.LIMIT},
+    "planner.hpp": {"least_saving": plan.LEAST_SAVING},
     "gait_map.hpp": {"farthest": gait_map.FARTHEST},
 }  # fmt: skip
 

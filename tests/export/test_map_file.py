@@ -13,7 +13,7 @@ from gaitflow.core.task import AXES
 from gaitflow.export import Exported
 from gaitflow.export.export import MAP
 from gaitflow.runtime.artifact import load_artifact
-from gaitflow.runtime.atlas import SUPPORT
+from gaitflow.runtime.atlas import DOUBT, SUPPORT
 from gaitflow.runtime.nearby import NEAREST, REACH
 from gaitflow.solvers.point import GaitSpace
 
@@ -95,7 +95,7 @@ def test_it_holds_the_map(which: str, request: pytest.FixtureRequest) -> None:
         assert same(items.space(layout.nw, tensors.rows), tensors.space(index))
 
     assert np.array_equal(items.array("<f8", ranged), atlas.steps)
-    assert items.array("<f8", 4).tolist() == [atlas.barrier, REACH, NEAREST, SUPPORT]
+    assert items.array("<f8", 5).tolist() == [atlas.barrier, REACH, NEAREST, SUPPORT, DOUBT]
     assert items.counts(1) == [len(atlas.sheets)] != [0]
     for sheet in atlas.sheets:
         assert items.counts(1) == [sheet.gait]

@@ -31,21 +31,8 @@ class AtlasView {
   // The problem's cost of one pattern at a place, from all of its nodes within reach.
   SheetCost cost(const Sheet& sheet, const Vector& place) const {
     const Vector asked = in_steps(place);
-    std::vector<Near> near;
-    const auto& order = sheet.by_first_axis;
-    const auto first = std::lower_bound(order.begin(), order.end(), asked[0] - atlas_.reach,
-                                        [&](std::size_t node, double low) { return sheet.places[node * axes_] < low; });
     double total = 0;
-    for (auto at = first; at != order.end() && sheet.places[*at * axes_] - asked[0] <= atlas_.reach; ++at) {
-      double squared = 0;
-      for (std::size_t axis = 0; axis < axes_; ++axis) {
-        const double offset = sheet.places[*at * axes_ + axis] - asked[axis];
-        squared += offset * offset;
-      }
-      if (!(squared < atlas_.reach * atlas_.reach)) continue;
-      near.push_back({*at, 0.0, weight(std::sqrt(squared))});
-      total += near.back().weight;
-    }
+    const std::vector<Near> near = weighed(sheet, asked, total);
     if (!(total > 0)) return {std::nan(""), 0.0};
     const Vector lean = mean_offset(sheet, near, asked, total);
     double log = 0, square = 0;
@@ -61,8 +48,8 @@ class AtlasView {
     return {std::exp(std::clamp(log / total, -largest_log, largest_log)), 1 - std::sqrt(square) / atlas_.reach};
   }
 
-  // The sheets with a node within reach, one for each gait: those whose cost is believed first, the cheapest first.
-  std::vector<const Sheet*> ranked(const Vector& place) const {
+  // The sheets with a node within reach: those whose cost is believed first, the cheapest first.
+  std::vector<const Sheet*> by_cost(const Vector& place) const {
     struct Ranked {
       bool doubted;
       double cost;
@@ -77,10 +64,17 @@ class AtlasView {
     std::stable_sort(all.begin(), all.end(), [](const Ranked& one, const Ranked& other) {
       return one.doubted != other.doubted ? other.doubted : one.cost < other.cost;
     });
+    std::vector<const Sheet*> sheets;
+    for (const Ranked& each : all) sheets.push_back(each.sheet);
+    return sheets;
+  }
+
+  // The first sheet of each gait, in the order of `by_cost`.
+  std::vector<const Sheet*> ranked(const Vector& place) const {
     std::vector<const Sheet*> best;
-    for (const Ranked& each : all) {
-      const auto same = [&](const Sheet* sheet) { return sheet->gait == each.sheet->gait; };
-      if (std::none_of(best.begin(), best.end(), same)) best.push_back(each.sheet);
+    for (const Sheet* each : by_cost(place)) {
+      const auto same = [&](const Sheet* sheet) { return sheet->gait == each->gait; };
+      if (std::none_of(best.begin(), best.end(), same)) best.push_back(each);
     }
     return best;
   }
@@ -134,16 +128,21 @@ class AtlasView {
     return found;
   }
 
-  // What a sheet may cost at a place where its cost rises ever faster, as before a cliff: the largest promise of the 2^a
-  // nearest nodes within reach. Infinite where the cost is not believed.
+  // What a sheet may cost at a place at the least; infinite where the cost is not believed. A prediction is as good as
+  // its nodes agree: by `doubt` times the standard deviation of what each promises by its whole tangent.
   double least_cost(const Sheet& sheet, const Vector& place) const {
-    double most = -std::numeric_limits<double>::infinity();
-    if (cost(sheet, place).support < atlas_.support) return -most;
+    const SheetCost predicted = cost(sheet, place);
+    if (!(predicted.support >= atlas_.support)) return std::numeric_limits<double>::infinity();
     const Vector asked = in_steps(place);
-    for (const Near& each : around(sheet, asked, std::size_t{1} << axes_))
-      if (each.distance < atlas_.reach)
-        most = std::max(most, promise(sheet, each.node, offset(sheet, each.node, asked)));
-    return std::exp(std::min(most, largest_log));
+    double total = 0, mean = 0, squares = 0;
+    const std::vector<Near> near = weighed(sheet, asked, total);
+    for (const Near& each : near) mean += each.weight * promise(sheet, each.node, offset(sheet, each.node, asked));
+    mean /= total;
+    for (const Near& each : near) {
+      const double off = promise(sheet, each.node, offset(sheet, each.node, asked)) - mean;
+      squares += each.weight * off * off;
+    }
+    return predicted.cost * std::exp(-atlas_.doubt * std::sqrt(squares / total));
   }
 
  private:
@@ -169,6 +168,26 @@ class AtlasView {
     Vector away(axes_);
     for (std::size_t axis = 0; axis < axes_; ++axis) away[axis] = sheet.places[node * axes_ + axis] - asked[axis];
     return away;
+  }
+
+  // The nodes within reach in the order of their first axis, and the sum of their weights.
+  std::vector<Near> weighed(const Sheet& sheet, const Vector& asked, double& total) const {
+    std::vector<Near> near;
+    const auto& order = sheet.by_first_axis;
+    const auto first = std::lower_bound(order.begin(), order.end(), asked[0] - atlas_.reach,
+                                        [&](std::size_t node, double low) { return sheet.places[node * axes_] < low; });
+    total = 0;
+    for (auto at = first; at != order.end() && sheet.places[*at * axes_] - asked[0] <= atlas_.reach; ++at) {
+      double squared = 0;
+      for (std::size_t axis = 0; axis < axes_; ++axis) {
+        const double away = sheet.places[*at * axes_ + axis] - asked[axis];
+        squared += away * away;
+      }
+      if (!(squared < atlas_.reach * atlas_.reach)) continue;
+      near.push_back({*at, 0.0, weight(std::sqrt(squared))});
+      total += near.back().weight;
+    }
+    return near;
   }
 
   // The weighted mean of the offsets: by how much the nodes' centre is off the place.

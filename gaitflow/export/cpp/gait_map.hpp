@@ -151,12 +151,12 @@ class GaitMap {
     return {true, &map_.gaits[best], static_cast<double>(all[best]), std::move(all)};
   }
 
-  // Every gait once, in the order in which it is chosen and tried: those that the atlas knows by predicted cost, its
-  // believed ones first; then the others by probability.
+  // Every gait, by each of its patterns that the atlas knows here, in the order of choosing and trying: what the atlas
+  // knows by predicted cost, what it believes first; then the other gaits by probability.
   std::vector<Candidate> candidates(const Vector& place, const std::vector<float>& probabilities) const {
     std::vector<Candidate> every;
     std::vector<bool> known(map_.gaits.size(), false);
-    for (const Sheet* sheet : AtlasView(map_.atlas).ranked(place)) {
+    for (const Sheet* sheet : AtlasView(map_.atlas).by_cost(place)) {
       every.push_back({sheet->gait, sheet});
       known[sheet->gait] = true;
     }

@@ -1,7 +1,7 @@
 // Newton's method along the central path of a gait's problem, as gaitflow/solvers/interior_point.py.
 //
-// From a predicted point of the path a few Newton steps with a falling barrier reach the optimum. There is no line search:
-// what does not converge is lost, and somebody else's to try.
+// From a predicted point of the path a few Newton steps with a falling barrier reach the optimum. There is no line
+// search: what does not converge is lost, and somebody else's to try.
 #pragma once
 
 #include <algorithm>

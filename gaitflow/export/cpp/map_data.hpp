@@ -77,7 +77,7 @@ struct Sheet {
 // The constants of the rule by which nodes predict are those of gaitflow/runtime/atlas.py, in steps.
 struct Atlas {
   Vector steps;
-  double barrier, reach, nearest, support;
+  double barrier, reach, nearest, support, doubt;
   std::vector<Sheet> sheets;
 };
 

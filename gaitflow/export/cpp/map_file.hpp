@@ -244,8 +244,9 @@ inline void read_atlas(Cursor& file, MapFile& map) {
   Atlas& atlas = map.atlas;
   atlas.steps = file.finite<double>(map.task.ranged.size());
   for (const double step : atlas.steps) file.require(step > 0, "a step of the atlas is not positive");
-  const Vector rule = file.finite<double>(4);
+  const Vector rule = file.finite<double>(5);
   atlas.barrier = rule[0], atlas.reach = rule[1], atlas.nearest = rule[2], atlas.support = rule[3];
+  atlas.doubt = rule[4];
   file.require(atlas.reach > 0 && atlas.nearest > 0, "the atlas' rule has a length that is not positive");
   const std::size_t sheets = file.count(0, 4096, "the atlas has too many sheets");
   for (std::size_t i = 0; i < sheets; ++i) atlas.sheets.push_back(read_sheet(file, map));

@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -30,8 +30,8 @@ struct Tried {
   std::size_t iterations;
 };
 
-// gait and pattern point into the map; nullptr outside its domain, where nothing is tried. refined: converged, and no row
-// or bound of the problem is off by more than 1e-6; otherwise the motion is the least infeasible one. cost in the
+// gait and pattern point into the map; nullptr outside its domain, where nothing is tried. refined: converged, and no
+// row or bound of the problem is off by more than 1e-6; otherwise the motion is the least infeasible one. cost in the
 // scenario's units. path: "fast" for the first gait, "next:<n>" for the n-th after it, "cheaper:<n>" when that one was
 // refined, too, and costs less than the first, "failed" when none refined. iterations over all tried.
 struct Plan {
@@ -53,16 +53,21 @@ class Planner {
   // Throws std::runtime_error where the functions are not those of the map, which has to live as long.
   Planner(const GaitMap& map, const Functions& functions) : map_(map), refiner_(map, functions) {}
 
-  // A plan for a place, from `top` gaits at most. Throws std::invalid_argument for a number that is not finite.
-  Plan plan(const Vector& place, std::size_t top = 3) {
+  // A plan for a place, from the `top` gaits that may cost least, or from the `only` one, which is one of the map's.
+  // Throws std::invalid_argument for a number that is not finite.
+  Plan plan(const Vector& place, std::size_t top = 3, const Gait* only = nullptr) {
     Plan plan;
     plan.in_domain = map_.contains(place);
     if (!plan.in_domain) return plan;
     const std::vector<float> probabilities = map_.probabilities(place);
-    std::vector<Candidate> candidates = map_.candidates(place, probabilities);
-    candidates.resize(std::min(candidates.size(), std::max<std::size_t>(top, 1)));
+    Indices gaits;  // in the order of their first candidates
+    const std::vector<Candidate> candidates = first(map_.candidates(place, probabilities), top, only, gaits);
+    if (candidates.empty()) throw std::invalid_argument("the gait is none of this map's gaits(); take one of those");
     const std::vector<Attempt> attempts = this->attempts(candidates, place);
-    const Attempt& best = *std::min_element(attempts.begin(), attempts.end(), cheaper);
+    const Attempt& solved = *std::min_element(attempts.begin(), attempts.end(), earlier);
+    const Attempt& least = *std::min_element(attempts.begin(), attempts.end(), cheaper);
+    // Of gaits that tie, the one that `select` names.
+    const Attempt& best = least.refined() && least.cost > solved.cost * (1 - least_saving) ? solved : least;
     const Candidate& taken = *best.candidate;
     plan.refined = best.refined();
     plan.gait = &map_.gaits()[taken.gait];
@@ -74,15 +79,30 @@ class Planner {
       plan.iterations += each.iterations;
       plan.tried.push_back({&map_.gaits()[each.candidate->gait], each.ending, each.violation, each.iterations});
     }
-    if (plan.refined) plan.path = path(attempts, static_cast<std::size_t>(&taken - candidates.data()));
+    if (plan.refined) plan.path = path(number(gaits, taken.gait), number(gaits, solved.candidate->gait));
     plan.primal = best.primal;
     plan.motion = unpack(map_.layout(), plan.primal, map_.cycle_duration(place));
     return plan;
   }
 
  private:
-  // The candidates in order until one is refined. Where another one may cost less than that came to, it is refined as
-  // well: before a cliff of the cost, predictions are far off.
+  static constexpr double least_saving = 1e-3;  // relative cost that another one must promise to save
+
+  // The candidates of the gaits that are tried.
+  std::vector<Candidate> first(const std::vector<Candidate>& every, std::size_t top, const Gait* only,
+                               Indices& tried) const {
+    std::vector<Candidate> chosen;
+    for (const Candidate& each : every) {
+      const bool known = std::find(tried.begin(), tried.end(), each.gait) != tried.end();
+      const bool wanted = only ? &map_.gaits()[each.gait] == only : known || tried.size() < std::max<std::size_t>(top, 1);
+      if (wanted && !known) tried.push_back(each.gait);
+      if (wanted) chosen.push_back(each);
+    }
+    return chosen;
+  }
+
+  // The candidates in order until one is refined; then one try for each behind it that may cost less than the cheapest
+  // so far: before a cliff of the cost and across its kinks predictions are far off.
   std::vector<Attempt> attempts(const std::vector<Candidate>& candidates, const Vector& place) {
     std::vector<Attempt> done;
     auto next = candidates.begin();
@@ -90,21 +110,13 @@ class Planner {
       done.push_back(refiner_.fast(*next++, place));
     } while (!done.back().refined() && next != candidates.end());
     if (!done.back().refined()) return done;
-    double least = worth_a_look(done.back());
-    const Candidate* rival = nullptr;
+    double cost = done.back().cost;
     for (; next != candidates.end(); ++next) {
-      const double promised = refiner_.least(*next, place);
-      if (promised < least) least = promised, rival = &*next;
+      if (!(refiner_.least(*next, place) < cost * (1 - least_saving))) continue;
+      done.push_back(refiner_.fast(*next, place, 1));
+      if (done.back().refined()) cost = std::min(cost, done.back().cost);
     }
-    if (rival) done.push_back(refiner_.fast(*rival, place, 1));
     return done;
-  }
-
-  // The cost below which another gait's promise is looked at: where this one's was off, the other may be as well.
-  static double worth_a_look(const Attempt& attempt) {
-    constexpr double least_saving = 1e-3, much = 1e-2;  // relative
-    const double off = attempt.expected > 0 ? std::abs(attempt.cost / attempt.expected - 1) : 0.0;
-    return attempt.cost * (1 - least_saving) * (1 + (much < off && std::isfinite(off) ? off : 0.0));
   }
 
   // Refined motions by cost, then the others by violation.
@@ -113,12 +125,17 @@ class Planner {
     return one.refined() ? one.cost < other.cost : one.violation < other.violation;
   }
 
-  // How the gait at a place among the candidates came to be taken.
-  static std::string path(const std::vector<Attempt>& attempts, std::size_t place) {
-    const auto first = std::find_if(attempts.begin(), attempts.end(), [](const Attempt& each) { return each.refined(); });
-    const bool was_first = static_cast<std::size_t>(first - attempts.begin()) == place;
-    if (!was_first) return "cheaper:" + std::to_string(place);
-    return place == 0 ? "fast" : "next:" + std::to_string(place);
+  // Refined motions before others; of equal ones the first.
+  static bool earlier(const Attempt& one, const Attempt& other) { return one.refined() && !other.refined(); }
+
+  static std::size_t number(const Indices& gaits, std::size_t gait) {
+    return static_cast<std::size_t>(std::find(gaits.begin(), gaits.end(), gait) - gaits.begin());
+  }
+
+  // How the gait that is taken came to be so, by its number and that of the first one that was refined.
+  static std::string path(std::size_t taken, std::size_t solved) {
+    if (taken == 0) return "fast";
+    return (taken == solved ? "next:" : "cheaper:") + std::to_string(taken);
   }
 
   const GaitMap& map_;

@@ -15,12 +15,12 @@
 
 namespace gaitflow {
 
-// One gait refined. Costs in the scenario's units, `expected` the predicted one, NaN where nothing was; violation is the
-// worst of a row or a bound, in the problem's scaled units. refined: converged, and feasible by that.
+// One gait refined. cost in the scenario's units; violation is the worst of a row or a bound, in the problem's scaled
+// units. refined: converged, and feasible by that.
 struct Attempt {
   const Candidate* candidate;
   Ending ending;
-  double cost, expected, violation;
+  double cost, violation;
   std::size_t iterations;
   Vector primal;  // [nw]
 
@@ -45,11 +45,9 @@ class Refiner {
     const double scale = map_.file().cost_scale;
     InteriorPoint& method = this->method(space_of(candidate));
     Starts starts(map_, program_, candidate, place, task);
-    Attempt attempt{&candidate, Ending::lost, 0, std::nan(""), 0, 0, {}};
-    if (double cost; starts.predicted(cost)) attempt.expected = cost * scale;
+    Attempt attempt{&candidate, Ending::lost, 0, 0, 0, {}};
     for (Start start; most-- > 0 && starts.next(start);) {
-      const Outcome outcome =
-          method.follow(task, start.point, start.unit, start.barrier, start.limit, start.predicted);
+      const Outcome outcome = method.follow(task, start.point, start.unit, start.barrier, limit, start.predicted);
       attempt.ending = outcome.ending;
       attempt.cost = outcome.cost * scale;
       attempt.violation = violation(method);
@@ -67,6 +65,8 @@ class Refiner {
   }
 
  private:
+  static constexpr std::size_t limit = 60;  // iterations of a start
+
   const Space& space_of(const Candidate& candidate) const {
     return candidate.sheet ? candidate.sheet->space : map_.gaits()[candidate.gait].space;
   }
