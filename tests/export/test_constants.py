@@ -21,7 +21,7 @@ CONSTANTS = {
     },
     "kkt.hpp": {
         "dual": kkt.DUAL, "primal": kkt.PRIMAL, "least_lift": kkt.LEAST_LIFT, "raise": kkt.RAISE,
-        "corrections": kkt.CORRECTIONS, "rounding": kkt.ROUNDING,
+        "corrections": kkt.CORRECTIONS, "rounding": kkt.ROUNDING, "refinements": kkt.REFINEMENTS,
     },
     "point.hpp": {"largest_log": point.LARGEST_LOG},
     "starts.hpp": {

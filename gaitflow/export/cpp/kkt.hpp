@@ -55,6 +55,7 @@ class Kkt {
     build();
     diagonal_.resize(free_), offsets_.resize(free_), sums_.resize(free_);
     row_sums_.resize(rows_), reduced_.resize(free_ + rows_), joined_.resize(ldlt_.size());
+    corner_.assign(rows_, 0.0), left_.resize(free_ + rows_), correction_.resize(free_ + rows_);
   }
 
   double last_lift = 0;  // what H's diagonal was raised by; to be set to 0 where a run begins
@@ -80,7 +81,8 @@ class Kkt {
       for (const JacobianEntry& entry : jacobian_)
         if (entry.kept) ldlt_.at(place++) += entry.value;
       for (std::size_t i = 0; i < free_; ++i) ldlt_.at(place++) += diagonal_[i] = variables[i] + lift;
-      for (const std::size_t row : kept_) ldlt_.at(place++) += row < equal_ ? -dual : -unequal[row - equal_] - dual;
+      for (const std::size_t row : kept_)
+        ldlt_.at(place++) += corner_[row] = row < equal_ ? -dual : -unequal[row - equal_] - dual;
       if (ldlt_.factorise() && (!correct || ldlt_.signs() == std::make_pair(kept_.size(), unknowns_))) {
         last_lift = lift > primal ? lift : last_lift / 10;
         return true;
@@ -93,6 +95,23 @@ class Kkt {
 
   // The solution [nF + nE + nI] by the last factorisation; rows that join variables are met exactly.
   void solve(const Vector& right, Vector& solution) {
+    solve_once(right, solution);
+    for (int i = 0; i < refinements; ++i) {
+      times(solution, solution.data() + free_, false);
+      for (std::size_t k = 0; k < free_; ++k) left_[k] = right[k] - sums_[k];
+      for (std::size_t k = 0; k < rows_; ++k)
+        left_[free_ + k] = right[free_ + k] - row_sums_[k] - corner_[k] * solution[free_ + k];
+      solve_once(left_, correction_);
+      for (std::size_t k = 0; k < solution.size(); ++k) solution[k] += correction_[k];
+    }
+  }
+
+  std::size_t size() const { return ldlt_.size(); }
+  std::size_t factor_entries() const { return ldlt_.factor_entries(); }
+
+ private:
+  // The solution to the digits that the factors leave.
+  void solve_once(const Vector& right, Vector& solution) {
     reduced_ = right;
     if (paths_.offsets(right.data() + free_, offsets_) > rounding) {
       times(offsets_, nullptr, false);
@@ -111,14 +130,10 @@ class Kkt {
     paths_.multipliers(sums_, solution.data() + free_);
   }
 
-  std::size_t size() const { return ldlt_.size(); }
-  std::size_t factor_entries() const { return ldlt_.factor_entries(); }
-
- private:
   static constexpr double dual = 1e-8;    // -d: keeps multipliers in place where rows depend on each other
   static constexpr double primal = 1e-6;  // added to H's diagonal, which alone need not have an inverse
   static constexpr double least_lift = 1e-4, raise = 8.0;
-  static constexpr int corrections = 12;
+  static constexpr int corrections = 12, refinements = 2;
   static constexpr double rounding = 1e-14;  // of right sides
 
   struct HessianEntry {
@@ -205,7 +220,7 @@ class Kkt {
   Paths paths_;
   Indices groups_, kept_;  // the unknown of each variable; the rows that join none
   Ldlt ldlt_;
-  Vector diagonal_, offsets_, sums_, row_sums_, reduced_, joined_;
+  Vector diagonal_, offsets_, sums_, row_sums_, reduced_, joined_, corner_, left_, correction_;
 };
 
 }  // namespace gaitflow
