@@ -76,7 +76,8 @@ def _finite(data: Mapping[str, Any]) -> dict[str, Any]:
 
 def refused_data(axes: dict[str, float]) -> dict[str, Any]:
     """What stands in the place of a plan for a task outside the map's domain."""
-    return {"task": axes} | dict.fromkeys((*PLAN_KEYS, "chosen")) | {"in_domain": False, "feasible": False, "path": "refused"}
+    unknown = dict.fromkeys((*PLAN_KEYS, "chosen"))
+    return {"task": axes} | unknown | {"in_domain": False, "feasible": False, "path": "refused"}
 
 
 def _say(answer: Plan) -> None:

@@ -141,7 +141,7 @@ class GaitMap:
         cycle_duration: float | None = None,
         *,
         gait: str | None = None,
-        top: int = 3,
+        top: int = 5,
         beyond: bool = False,
         **axes: float,
     ) -> Plan:

@@ -26,8 +26,9 @@ PRIMAL = 1e-6  # added to H's diagonal: J1 does not see positions, and its H alo
 LEAST_LIFT, RAISE, CORRECTIONS = 1e-4, 8.0, 12
 ROUNDING = 1e-14  # of right sides
 # Solutions are corrected this often by what they leave of the right side. Without, the pivots of 1e-8 lose half of the
-# digits: a plan moves by 1e-5, some by 1e-2, when the last bit of its task changes. With one by 1e-9, with two 1e-11.
-REFINEMENTS = 2
+# digits: a plan moves by 1e-5, some by 1e-2, when the last bit of its task changes. With one by 1e-9, with two 1e-11;
+# each takes a sixth of a solve's time in the plane.
+REFINEMENTS = 1
 
 
 class NotFactorised(ArithmeticError):

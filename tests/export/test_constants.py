@@ -17,7 +17,8 @@ CONSTANTS = {
         "gap": interior_point.GAP, "largest_row": interior_point.LARGEST_ROW, "nearest": interior_point.NEAREST,
         "near": interior_point.NEAR, "least_stiffness": interior_point.LEAST_STIFFNESS, "held": interior_point.HELD,
         "short_step": interior_point.SHORT, "largest_multiplier": interior_point.LARGEST_MULTIPLIER,
-        "unmet": interior_point.UNMET, "early": interior_point.EARLY,
+        "unmet": interior_point.UNMET, "largest_of_all": interior_point.LARGEST_OF_ALL,
+        "nearly_met": interior_point.NEARLY_MET, "early": interior_point.EARLY,
     },
     "kkt.hpp": {
         "dual": kkt.DUAL, "primal": kkt.PRIMAL, "least_lift": kkt.LEAST_LIFT, "raise": kkt.RAISE,

@@ -16,7 +16,7 @@ CYCLE = 0.6
 
 @pytest.fixture(scope="module")
 def gait_map(checkout: Path) -> GaitMap:
-    return GaitMap.load(checkout / "models/half-cheetah-exact-vibration/1.0.0")
+    return GaitMap.load(checkout / "models/half-cheetah-exact-vibration")
 
 
 @pytest.fixture(scope="module")

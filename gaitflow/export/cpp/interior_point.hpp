@@ -75,7 +75,7 @@ class InteriorPoint {
       const auto ended = [&](Ending ending) { return Outcome{ending, iteration, program_.cost()}; };
       if (converged()) return ended(Ending::converged);
       if (!std::isfinite(row_ + dual_) || row_ > largest_row) return ended(Ending::lost);
-      if (iteration >= early && row_ > unmet && out_of_bounds(unit)) return ended(Ending::infeasible);
+      if (iteration >= early && row_ > nearly_met && out_of_bounds(unit)) return ended(Ending::infeasible);
       if (iteration == limit) return ended(Ending::limit);
       if (iteration == 0 || std::max(row_, dual_) < near)
         barrier = std::max(end, std::min(0.1 * barrier, std::pow(barrier, 1.5)));
@@ -94,7 +94,7 @@ class InteriorPoint {
   // As in interior_point.py, where each of them is explained.
   static constexpr double row_limit = 5e-7, cost_limit = 1e-5, dual_limit = 1e-5, gap = 3e-6, largest_row = 1e4;
   static constexpr double nearest = 1e-15, near = 1e-2, least_stiffness = 1e-14, held = 1e-3, short_step = 0.3;
-  static constexpr double largest_multiplier = 2e3, unmet = 2e-2;
+  static constexpr double largest_multiplier = 2e3, unmet = 2e-2, largest_of_all = 5e5, nearly_met = 5e-4;
   static constexpr std::size_t early = 10;
 
   // Values of free variables and inequality rows inside their bounds, and multipliers that fit.
@@ -152,7 +152,8 @@ class InteriorPoint {
 
   // Multipliers of rows without a solution grow without end.
   bool out_of_bounds(double unit) const {
-    const double most = largest_multiplier * std::max(1.0, std::abs(program_.cost()) / unit);
+    const double at_most = row_ > unmet ? largest_multiplier : largest_of_all;
+    const double most = at_most * std::max(1.0, std::abs(program_.cost()) / unit);
     return std::any_of(point_.rows.begin(), point_.rows.end(), [most](double each) { return std::abs(each) > most; });
   }
 

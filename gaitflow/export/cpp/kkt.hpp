@@ -133,7 +133,7 @@ class Kkt {
   static constexpr double dual = 1e-8;    // -d: keeps multipliers in place where rows depend on each other
   static constexpr double primal = 1e-6;  // added to H's diagonal, which alone need not have an inverse
   static constexpr double least_lift = 1e-4, raise = 8.0;
-  static constexpr int corrections = 12, refinements = 2;
+  static constexpr int corrections = 12, refinements = 1;
   static constexpr double rounding = 1e-14;  // of right sides
 
   struct HessianEntry {

@@ -55,7 +55,7 @@ class Planner {
 
   // A plan for a place, from the `top` gaits that may cost least, or from the `only` one, which is one of the map's.
   // Throws std::invalid_argument for a number that is not finite.
-  Plan plan(const Vector& place, std::size_t top = 3, const Gait* only = nullptr) {
+  Plan plan(const Vector& place, std::size_t top = 5, const Gait* only = nullptr) {
     Plan plan;
     plan.in_domain = map_.contains(place);
     if (!plan.in_domain) return plan;
