@@ -11,10 +11,10 @@ import numpy as np
 from gaitflow.core.trajectory import Array
 
 
-def checked_time(time: object) -> float:
-    """A time [s]."""
+def checked_time(time: object, name: str = "time") -> float:
+    """A time [s], which the caller calls `name`."""
     if isinstance(time, bool) or not isinstance(time, Real) or not math.isfinite(time):
-        raise ValueError(f"time = {time!r}: must be a finite number of seconds")
+        raise ValueError(f"{name} = {time!r}: must be a finite number of seconds")
     return float(time)
 
 

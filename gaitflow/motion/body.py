@@ -67,5 +67,27 @@ def integrated(times: Array, first: Pair, last: Pair, position: Pair, velocity: 
     )
 
 
+def between(times: Array, first: Pair, last: Pair, start: tuple[Pair, Pair], end: tuple[Pair, Pair]) -> Path:
+    """The path from one position and velocity [2] each to another one, under accelerations as of `integrated`.
+
+    What the integral misses of the end is closed by an acceleration that runs linearly over the whole time: as small as
+    the plan's violation where the integrator is exact.
+    """
+    h, duration = np.diff(times)[:, None], times[-1]
+    v = _sums(start[1], h * (first + last) / 2)
+    p = _sums(start[0], h * (v[:-1] + h * (first / 3 + last / 6)))
+    missing_p, missing_v = end[0] - p[-1], end[1] - v[-1]
+    constant = 6 * missing_p / duration**2 - 2 * missing_v / duration
+    rising = 6 * missing_v / duration**2 - 12 * missing_p / duration**3
+    since = times[:-1, None]
+    return Path(
+        times=times,
+        position=p[:-1] + since**2 * (constant / 2 + since / 6 * rising),
+        velocity=v[:-1] + since * (constant + since / 2 * rising),
+        acceleration=first + constant + since * rising,
+        jerk=(last - first) / h + rising,
+    )
+
+
 def _sums(start: Pair, steps: Pair) -> Pair:
     return np.concatenate([start[None], start + np.cumsum(steps, axis=0)])

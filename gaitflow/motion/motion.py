@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -17,7 +17,7 @@ from gaitflow.motion.body import Path, integrated
 from gaitflow.motion.cycles import Cycles, Pair, paired, unpaired
 from gaitflow.motion.frames import Frames
 from gaitflow.motion.leg import Foot, Leg
-from gaitflow.motion.orientation import Turning, angular_acceleration, angular_velocity, quaternions
+from gaitflow.motion.orientation import Turning, angular_velocity, at_base_link, quaternions
 from gaitflow.motion.stances import Stance
 from gaitflow.motion.state import State
 
@@ -39,11 +39,20 @@ class Motion:
 
     *Feet.* A foot in stance is at rest. Swings leave and land at rest, without acceleration. A plan that is not
     feasible has its faults here, too.
+
+    *The plan*: `scenario`, JSON data, `trajectory`, `task` and `pattern`, as `Motion.of` was given them; swing_apex [m]
+    and `point` as well.
     """
 
     period: float
     dimension: int
     leg_names: tuple[str, ...]
+    scenario: Mapping[str, Any] = field(repr=False)
+    trajectory: Trajectory = field(repr=False)
+    task: Task
+    pattern: str
+    swing_apex: float | None
+    point: Point
     _cycles: Cycles = field(repr=False)
     _path: Path = field(repr=False)
     _turning: Turning = field(repr=False)
@@ -98,6 +107,12 @@ class Motion:
             period=period,
             dimension=body.dimension,
             leg_names=tuple(str(leg.get("name", number)) for number, leg in enumerate(robot["legs"])),
+            scenario=scenario,
+            trajectory=trajectory,
+            task=task,
+            pattern=pattern,
+            swing_apex=apex,
+            point=point,
             _cycles=cycles,
             _path=integrated(
                 times,
@@ -136,12 +151,9 @@ class Motion:
         angles[:, 0] += self._yaw * numbers
         omega = angular_velocity(angles, rates)
         if self._centre is not None:
-            lever, spin = self._centre, angular_acceleration(angles, rates, second)
-            attitude = Attitude(angles)
-            moving = np.cross(omega, lever)
-            position = position - attitude.into_world(np.broadcast_to(lever, omega.shape))
-            velocity = velocity - attitude.into_world(moving)
-            acceleration = acceleration - attitude.into_world(np.cross(spin, lever) + np.cross(omega, moving))
+            position, velocity, acceleration = at_base_link(
+                self._centre, (angles, rates, second), (position, velocity, acceleration)
+            )
         found = [leg.at(numbers, since, places, self._cycles) for leg in self._legs]
         contact, feet, speeds, pushes, waits = (
             np.stack([getattr(foot, each.name) for foot in found], axis=1) for each in fields(Foot)
@@ -173,6 +185,15 @@ class Motion:
             Stance(start, end, unpaired(foothold, self.dimension))
             for start, end, foothold in stances.during(count, self._cycles)
         ]
+
+    @property
+    def base_centre(self) -> Array | None:
+        """The centre of mass in the base link's frame [3] m, where `point` is "base"; None otherwise."""
+        return self._centre
+
+    def of_mass(self) -> Motion:
+        """The same motion with the position of the centre of mass, whichever point was asked for."""
+        return replace(self, point="com", _centre=None)
 
     def _body(self, since: Array, place: Pair) -> tuple[Array, Array, Array]:
         position, velocity, acceleration = self._path.at(since)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gaitflow.core.rigid_body import Attitude
 from gaitflow.core.trajectory import Array
 
 
@@ -76,3 +77,22 @@ def angular_acceleration(angles: Array, rates: Array, second: Array) -> Array:
         -(sr * cp * rolling + cr * sp * pitching) * yawing - cr * rolling * pitching,
     ]
     return along + np.stack(changes, axis=-1)
+
+
+def at_base_link(
+    centre: Array, turning: tuple[Array, Array, Array], body: tuple[Array, Array, Array]
+) -> tuple[Array, Array, Array]:
+    """Position, velocity and acceleration [n, 3] of the base link's origin, from those of the centre of mass.
+
+    centre [3] m is the centre of mass in the base link's frame; turning: angles [n, 3] and their first and second
+    derivatives.
+    """
+    (angles, rates, second), (position, velocity, acceleration) = turning, body
+    attitude, omega = Attitude(angles), angular_velocity(angles, rates)
+    moving = np.cross(omega, centre)
+    spin = angular_acceleration(angles, rates, second)
+    return (
+        position - attitude.into_world(np.broadcast_to(centre, omega.shape)),
+        velocity - attitude.into_world(moving),
+        acceleration - attitude.into_world(np.cross(spin, centre) + np.cross(omega, moving)),
+    )
