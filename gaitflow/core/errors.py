@@ -1,4 +1,4 @@
-"""What the runtime raises beside ValueError (an argument that is no finite number)."""
+"""What the runtime raises beside ValueError (an argument that is no finite number, and the like)."""
 
 from __future__ import annotations
 
@@ -9,3 +9,7 @@ class ArtifactError(RuntimeError):
 
 class OutOfDomain(ValueError):
     """A task outside the tasks that the map was made for: names the value and the range."""
+
+
+class NoTransition(RuntimeError):
+    """Two motions between which no feasible transition was found: names both, and the way out."""

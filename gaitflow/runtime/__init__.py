@@ -8,8 +8,8 @@ plan = gait_map.plan(speed=0.9, cycle_duration=0.6)  # needs gaitflow[solve]
 state = plan.motion().at(1.234)
 """
 
-from gaitflow.core.errors import ArtifactError, OutOfDomain
-from gaitflow.motion import FootFrame, Frames, Motion, Stance, State
+from gaitflow.core.errors import ArtifactError, NoTransition, OutOfDomain
+from gaitflow.motion import FootFrame, Frames, Journey, Motion, Stance, State, standing
 from gaitflow.runtime.choice import Choice, Choices
 from gaitflow.runtime.cycle_duration import ChosenDuration
 from gaitflow.runtime.gait_map import GaitMap
@@ -17,6 +17,6 @@ from gaitflow.runtime.plan import Plan
 from gaitflow.runtime.tensors import WarmStart
 
 __all__ = [
-    "ArtifactError", "Choice", "Choices", "ChosenDuration", "FootFrame", "Frames", "GaitMap", "Motion", "OutOfDomain",
-    "Plan", "Stance", "State", "WarmStart",
+    "ArtifactError", "Choice", "Choices", "ChosenDuration", "FootFrame", "Frames", "GaitMap", "Journey", "Motion",
+    "NoTransition", "OutOfDomain", "Plan", "Stance", "State", "WarmStart", "standing",
 ]  # fmt: skip

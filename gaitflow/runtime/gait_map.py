@@ -14,6 +14,9 @@ from numpy.typing import ArrayLike
 
 from gaitflow.core.errors import OutOfDomain
 from gaitflow.core.trajectory import Array
+from gaitflow.motion import Journey, Motion
+from gaitflow.motion.arguments import checked_time
+from gaitflow.motion.journey import last_of
 from gaitflow.runtime.artifact import Artifact, load_artifact
 from gaitflow.runtime.choice import Choice, Choices
 from gaitflow.runtime.cycle_duration import AXIS, ChosenDuration, cheapest_duration, same_duration
@@ -23,6 +26,7 @@ from gaitflow.runtime.plan import Asked, Plan, refine_ranked
 from gaitflow.runtime.problem import Problem
 from gaitflow.runtime.questions import Questions
 from gaitflow.runtime.refine import Candidate, Refiner
+from gaitflow.runtime.switching import TransitionPlanner, TransitionProblem, check_switchable
 from gaitflow.runtime.tensors import WarmStart, warm_start
 from gaitflow.runtime.versions import resolve
 
@@ -48,6 +52,7 @@ class GaitMap:
         self._building = threading.Lock()
         self._of_thread = threading.local()
         self._problem: Problem | None = None
+        self._transitions: TransitionProblem | None = None
 
     @classmethod
     def load(cls, path: str | PathLike[str], trust_code: bool = False) -> GaitMap:
@@ -177,6 +182,22 @@ class GaitMap:
         plan = refine_ranked(refiner, ranked, Asked(task, values, inside, domain.distance(values), started))
         return replace(plan, scenario=self.manifest.scenario, chosen=chosen)
 
+    def switch(self, motion: Motion | Journey, other: Motion, after: float = 0.0) -> Journey:
+        """The journey that leaves a motion at the start of one of its phases, from `after` [s] on, for another motion.
+
+        Where it is left and where the other one is joined, over what contacts and how long, is what is found to cost
+        least by this map's objective, see `Journey`. A journey is left once its transition has ended. Needs
+        gaitflow[solve]. Raises ValueError for a time that is no finite number, for motions of another robot than the
+        map's, and for motions that no transition can join; NoTransition when none is found; ImportError without CasADi.
+        """
+        asked = checked_time(after, "after")
+        left = last_of(motion)
+        check_switchable(self.manifest.scenario, left.motion, other)
+        plan = self._planner().plan(left.motion, other)
+        if isinstance(motion, Journey):
+            asked = max(asked, motion.transition.end)
+        return Journey.of(motion, plan, left.next_time(plan.first.since, asked), other)
+
     def mean_start(self, gait: str, cycle_duration: float) -> WarmStart:
         """The paper's warm start of a gait: the mean over its region, scaled to the cycle duration [s].
 
@@ -256,6 +277,16 @@ class GaitMap:
                 refiner = Refiner(self._problem, artifact.manifest, artifact.tensors, artifact.atlas)
             self._of_thread.refiner = refiner
         return refiner
+
+    def _planner(self) -> TransitionPlanner:
+        planner: TransitionPlanner | None = getattr(self._of_thread, "planner", None)
+        if planner is None:
+            with self._building:
+                if self._transitions is None:
+                    self._transitions = TransitionProblem(self.manifest.scenario)
+                planner = TransitionPlanner(self._transitions)
+            self._of_thread.planner = planner
+        return planner
 
     def _warm_start(self, gait: str, task: Mapping[str, float]) -> WarmStart:
         index, atlas, place = self._names.index(gait), self._artifact.atlas, self._place(task)
