@@ -92,6 +92,14 @@ def test_the_readmes_python_runs(pages: dict[str, str], checkout: Path) -> None:
     assert done.returncode == 0, done.stderr
 
 
+def test_the_example_of_switching_runs(pages: dict[str, str], checkout: Path) -> None:
+    code = dict(BLOCK.findall(pages["docs/motion.md"]))["python"] + "assert states.contact[[0, -1]].all()\n"
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=checkout, capture_output=True, text=True, timeout=100, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
 def test_nothing_is_left_open(pages: dict[str, str]) -> None:
     lines = [f"{name}:{number}" for name, page in pages.items() for number, line in open_places(page)]
     assert not lines, "numbers and pictures that are still to come are written <<...>>"

@@ -32,7 +32,10 @@ class Journey:
 
     @classmethod
     def of(cls, before: Motion | Journey, plan: PlannedTransition, start: float, other: Motion) -> Journey:
-        """The journey that leaves `before` at a time `start` [s], by a planned transition to another motion."""
+        """The journey that leaves `before` at a time `start` [s], by a planned transition to another motion.
+
+        The time is one at which the phase begins that is left, and of a journey none before it has settled.
+        """
         ahead = last_of(before)
         end = start + plan.task.cycle_duration
         place = ahead.commanded(start).of(Place.commanded(plan.task, plan.task.cycle_duration))

@@ -186,7 +186,7 @@ class GaitMap:
         """The journey that leaves a motion at the start of one of its phases, from `after` [s] on, for another motion.
 
         Where it is left and where the other one is joined, over what contacts and how long, is what is found to cost
-        least by this map's objective, see `Journey`. A journey is left once its transition has ended. Needs
+        least by this map's objective, see `Journey`. A journey is left once it has settled. Needs
         gaitflow[solve]. Raises ValueError for a time that is no finite number, for motions of another robot than the
         map's, and for motions that no transition can join; NoTransition when none is found; ImportError without CasADi.
         """
@@ -195,7 +195,7 @@ class GaitMap:
         check_switchable(self.manifest.scenario, left.motion, other)
         plan = self._planner().plan(left.motion, other)
         if isinstance(motion, Journey):
-            asked = max(asked, motion.transition.end)
+            asked = max(asked, motion.settled)
         return Journey.of(motion, plan, left.next_time(plan.first.since, asked), other)
 
     def mean_start(self, gait: str, cycle_duration: float) -> WarmStart:

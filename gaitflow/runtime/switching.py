@@ -19,12 +19,12 @@ from gaitflow.core.errors import NoTransition
 from gaitflow.core.gaits import Pattern
 from gaitflow.core.layout import GRAVITY, Layout
 from gaitflow.core.task import AXES, Task
-from gaitflow.core.trajectory import Array, Trajectory
+from gaitflow.core.trajectory import Array
 from gaitflow.motion.motion import Motion
 from gaitflow.motion.phase_start import phase_starts
-from gaitflow.motion.place import Place
 from gaitflow.motion.transition import PlannedTransition
-from gaitflow.runtime.ways import Way, stances, ways
+from gaitflow.runtime.way_start import end_states, interpolated
+from gaitflow.runtime.ways import Way, ways
 from gaitflow.solvers.interior_point import InteriorPoint
 from gaitflow.solvers.point import GaitSpace
 from gaitflow.solvers.program import Program, derivatives
@@ -103,12 +103,12 @@ class TransitionPlanner:
         """The transition of a way, None where the solver does not converge to a feasible one."""
         problem, scenario = self._problem.gait_problem, self._problem.scenario
         layout, duration = problem.layout, task.cycle_duration
-        first, last = _ends(way, task)
+        first, last = end_states(way, task)
         bounds = problem.bounds(Pattern.from_text(way.pattern))
         space = _between(
             GaitSpace(bounds.lower, bounds.upper, bounds.lower_rows, bounds.upper_rows), layout, first, last
         )
-        start = layout.pack(_interpolated(scenario, way, first, last, layout.times(way.durations)), duration)
+        start = layout.pack(interpolated(scenario, way, first, last, layout.times(way.durations)), duration)
         cost = float(problem.nlp(start, task.parameters)[0])
         unit = max(cost, (0.1 * GRAVITY * duration) ** 2 * duration / 12)
         nothing = np.zeros(len(space.lower)), np.zeros(len(space.lower_rows))
@@ -149,13 +149,6 @@ def _mechanics(robot: Mapping[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in robot.items() if key not in ("source", "frames", "mirror")}
 
 
-def _ends(way: Way, task: Task) -> tuple[Array, Array]:
-    """The states [nx] that a way leads between, in the frame of the command at its start."""
-    first = np.concatenate([way.first.base, way.first.feet.ravel()])
-    there = Place.commanded(task, task.cycle_duration)
-    return first, np.concatenate([there.bodies(way.last.base), there.points(way.last.feet).ravel()])
-
-
 def _between(gait: GaitSpace, layout: Layout, first: Array, last: Array) -> GaitSpace:
     """The bounds of a gait with its first and last state [nx] fixed, instead of periodic.
 
@@ -171,34 +164,6 @@ def _between(gait: GaitSpace, layout: Layout, first: Array, last: Array) -> Gait
     for free in (box, closing):
         lower_rows[free], upper_rows[free] = -np.inf, np.inf
     return GaitSpace(lower, upper, lower_rows, upper_rows)
-
-
-def _interpolated(scenario: Mapping[str, Any], way: Way, first: Array, last: Array, times: Array) -> Trajectory:
-    """Where the solver starts: the base on a line, feet on lines between footholds, the weight shared by who stands."""
-    default = np.array([leg["default_foot"] for leg in scenario["robot"]["legs"]])
-    legs, d = default.shape
-    nb, steps = len(first) - legs * d, (len(times) - 1) // len(way.durations)
-    share = times[:, None] / times[-1]
-    base = first[:nb] + share * (last[:nb] - first[:nb])
-    ends = first[nb:].reshape(legs, d), last[nb:].reshape(legs, d)
-    feet = np.empty((len(times), legs, d))
-    for leg, row in enumerate(way.contacts.T):
-        known = {0: ends[0][leg], len(times) - 1: ends[1][leg]}
-        for start, stop in stances(row):
-            a, b = start * steps, stop * steps
-            beside = (base[a, :d] + base[b, :d]) / 2 + default[leg]
-            beside[-1] = 0.0
-            place = known.get(a, known.get(b, beside))
-            known = {a: place, b: place} | known
-        at = sorted(known)
-        for axis in range(d):
-            feet[:, leg, axis] = np.interp(times, times[at], [known[knot][axis] for knot in at])
-    stands = np.repeat(way.contacts, steps, axis=0)
-    forces = np.zeros((len(times) - 1, legs, d))
-    carried = float(scenario["robot"]["mass"]) * GRAVITY / np.maximum(stands.sum(axis=1, keepdims=True), 1)
-    forces[..., -1] = stands * carried
-    speeds = np.diff(feet, axis=0) / np.diff(times)[:, None, None]
-    return Trajectory(times, base, feet, forces, forces, speeds, way.durations)
 
 
 def _described(motion: Motion) -> str:
