@@ -23,14 +23,14 @@ from gaitflow.core.trajectory import Array
 from gaitflow.motion.motion import Motion
 from gaitflow.motion.phase_start import phase_starts
 from gaitflow.motion.transition import PlannedTransition
-from gaitflow.runtime.way_start import end_states, interpolated
-from gaitflow.runtime.ways import Way, ways
+from gaitflow.runtime.way import Way, end_states, interpolated
+from gaitflow.runtime.ways import ways
 from gaitflow.solvers.interior_point import InteriorPoint
 from gaitflow.solvers.point import GaitSpace
 from gaitflow.solvers.program import Program, derivatives
 
 DURATIONS = (1.0, 1.5, 2.0)  # of a transition, over the mean of both cycles'
-TRIED, FOUND = 8, 2  # ways that are solved for a duration; how many feasible ones are compared
+TRIED, FOUND = 8, 3  # ways that are solved for a duration; how many feasible ones are compared
 BARRIER, LIMIT = 0.1, 60  # of a start without multipliers
 PLACES = ("slope", "friction", "payload")  # what both motions must have alike
 TURNS = ("lateral_speed", "yaw_rate")

@@ -3,37 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from gaitflow.core.layout import Layout
 from gaitflow.core.rigid_body import RigidBody
 from gaitflow.core.task import Task
-from gaitflow.core.trajectory import Array
+from gaitflow.core.trajectory import Array, Trajectory
 from gaitflow.motion.phase_start import PhaseStart
-
-Mask = NDArray[np.bool_]
-
-
-@dataclass(frozen=True, eq=False)
-class Way:
-    """A way from the gait that is left at `first` to the one that is joined at `last`.
-
-    contacts [phases, legs]: some of the first gait's from there on, then those of the other one that lead to `last`.
-    durations [phases] s: where a solver starts.
-    """
-
-    first: PhaseStart
-    last: PhaseStart
-    contacts: Mask
-    durations: Array
-
-    @property
-    def pattern(self) -> str:
-        """The contacts as "0110/1100"."""
-        return "/".join("".join("01"[int(stands)] for stands in row) for row in self.contacts.T)
+from gaitflow.runtime.way import Mask, Way, end_states, interpolated
 
 
 def ways(
@@ -55,9 +34,11 @@ def ways(
         shares = shortest + (1 - phases * shortest) * durations / durations.sum()
         way = Way(first, last, contacts, task.cycle_duration * shares / shares.sum())
         found.setdefault((first.since, last.since, way.pattern), way)
+    layout = Layout.of(scenario)
 
     def doubt(way: Way) -> float:
-        return _overreach(body, task, way) / float(body.box[0]) + _unevenness(body, way)
+        start = interpolated(scenario, way, *end_states(way, task), layout.times(way.durations))
+        return _overreach(body, way, start) / float(body.box[0]) + _unevenness(body, way, start)
 
     return sorted(found.values(), key=doubt)
 
@@ -75,47 +56,33 @@ def _joined(
                 yield first, last, np.concatenate(contacts), np.concatenate(durations)
 
 
-def _overreach(body: RigidBody, task: Task, way: Way) -> float:
-    """How far footholds would be out of reach ahead and behind, summed over stances [m], at the commanded speed.
-
-    A stance at an end has its foothold there; one in between has the best.
-    """
-    edges = np.append(0.0, np.cumsum(way.durations))
-    travel = edges * (task.speed + task["acceleration"] * (edges - edges[-1]) / 2)
-    reach, total = float(body.box[0]), 0.0
-    at_first, at_last = (each.feet[:, 0] - each.base[0] - body.default_feet[:, 0] for each in (way.first, way.last))
-    for leg, row in enumerate(way.contacts.T):
-        for start, stop in stances(row):
-            if start == 0:
-                farthest = abs(at_first[leg] - travel[stop])
-            elif stop == len(row):
-                farthest = abs(at_last[leg] + travel[-1] - travel[start])
-            else:
-                farthest = abs(travel[stop] - travel[start]) / 2
-            total += max(0.0, farthest - reach)
-    return total
+def _overreach(body: RigidBody, way: Way, start: Trajectory) -> float:
+    """How far feet that stand are out of reach at the worst [m], summed over the legs."""
+    steps = (len(start.times) - 1) // len(way.durations)
+    position, angles, _, _ = body.split(start.base)
+    outside = body.box_excess(position, angles, start.feet)[..., 0]
+    stands = np.repeat(way.contacts, steps, axis=0)
+    worst = np.maximum(outside[:-1], outside[1:]) * stands
+    return float(np.maximum(worst, 0.0).max(axis=0).sum())
 
 
-def stances(row: Mask) -> list[tuple[int, int]]:
-    """First phase and the one after the last of each stance."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], row, [False]]).astype(int)))
-    return [(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]
-
-
-def _unevenness(body: RigidBody, way: Way) -> float:
-    """How unevenly legs at their default places would have to carry the body, each evenly within a phase.
+def _unevenness(body: RigidBody, way: Way, start: Trajectory) -> float:
+    """How unevenly the legs would have to carry the body, each evenly within a phase.
 
     Their normal forces are the least whose impulses, and those about the middle of the way, lift and turn the body as
     both ends ask for. What counts is what they miss of it, what pulls, and how heave, pitch and roll are pushed.
     """
     d, total = body.dimension, float(way.durations.sum())
+    steps = (len(start.times) - 1) // len(way.durations)
+    halves = np.arange(len(way.durations)) * steps + steps // 2
     phase, leg = np.nonzero(way.contacts)
     weight, g = way.durations[phase] / total, -float(body.gravity[-1])
     middle = (np.cumsum(way.durations) - way.durations / 2)[phase] / total
-    places = body.default_feet[leg, : d - 1].T / np.abs(body.default_feet).max()
+    offsets = start.feet[halves] - start.base[halves, None, :d]
+    places = offsets[phase, leg, :-1].T / np.abs(body.default_feet).max()
     levers = np.concatenate([np.ones((1, len(leg))), places])
-    up = [each.base[d + body.angles + d - 1] for each in (way.first, way.last)]
-    risen = way.last.base[d - 1] - way.first.base[d - 1]
+    up = start.base[[0, -1], d + body.angles + d - 1]
+    risen = start.base[-1, d - 1] - start.base[0, d - 1]
     rows = np.concatenate([levers * weight, levers * weight * 2 * (1 - middle)])
     wanted = np.zeros(2 * d)
     wanted[0] = 1 + (up[1] - up[0]) / (g * total)

@@ -20,7 +20,7 @@ from gaitflow.core.trajectory import Array
 from gaitflow.motion import Journey, Motion, State, standing
 from gaitflow.motion.phase_start import phase_starts
 from gaitflow.motion.transition import PlannedTransition
-from gaitflow.runtime.way_start import end_states, interpolated
+from gaitflow.runtime.way import end_states, interpolated
 from gaitflow.runtime.ways import ways
 
 ROWS = ("0110", "1100", "0011", "1001", "0111", "0001")

@@ -10,7 +10,8 @@ from cyclic import cyclic, cyclic_scenario
 from gaitflow.core.task import Task
 from gaitflow.motion import Motion, standing
 from gaitflow.motion.phase_start import phase_starts
-from gaitflow.runtime.ways import Way, stances, ways
+from gaitflow.runtime.way import Way, stances
+from gaitflow.runtime.ways import ways
 
 TROT, WALK = "0011/1100/1100/0011", "0111/1011/1101/1110"
 
