@@ -56,11 +56,11 @@ class Journey:
         """The states at times [n] s, as of `Motion.sample`."""
         asked = checked_times(times)
         early, late = asked < self.transition.start, asked >= self.transition.end
-        parts = [
-            (np.flatnonzero(early), self._before(asked[early])),
-            (np.flatnonzero(~early & ~late), self.transition.sample(asked[~early & ~late])),
-            (np.flatnonzero(late), self._after(asked[late])),
-        ]
+        pieces = ((late, self._after), (~early & ~late, self.transition.sample), (early, self._before))
+        # Nobody asks the motions of long ago for the times of today.
+        parts = [(np.flatnonzero(mask), piece(asked[mask])) for mask, piece in pieces if mask.any()]
+        if not parts:
+            return self._after(asked)
         back = np.argsort(np.concatenate([places for places, _ in parts]))
         return State(
             **{

@@ -130,6 +130,7 @@ def test_a_journey_is_the_motions_that_it_leads_from_and_to(journey: Journey) ->
         seen, own = journey.sample(times), part.sample(times)
         for name in (each.name for each in fields(State) if each.name != "until_touchdown"):
             np.testing.assert_array_equal(getattr(seen, name), getattr(own, name))
+    assert journey.sample([]).feet.shape == (0, *journey.at(0.0).feet.shape)
     alone = journey.at(float(late[0]))
     np.testing.assert_array_equal(alone.feet, journey.sample(late).feet[0])
 
