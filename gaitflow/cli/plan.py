@@ -30,9 +30,7 @@ PLAN_KEYS = (
 @click.option("--beyond", is_flag=True, help="Plan also outside the map's domain; the motion is checked all the same.")
 @click.option("--trust-code", is_flag=True, help="Run the code that maps of formats 1 and 2 hold as their problem.")
 @json_option
-def plan(
-    artifact: Path, axes: dict[str, Any], gait: str | None, beyond: bool, trust_code: bool, as_json: bool
-) -> None:
+def plan(artifact: Path, axes: dict[str, Any], gait: str | None, beyond: bool, trust_code: bool, as_json: bool) -> None:
     """Ask the map ARTIFACT for a gait and refine it into a feasible motion.
 
     ARTIFACT is a version's folder or its parent (the newest version then). A task needs a value on every axis that the

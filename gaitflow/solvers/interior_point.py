@@ -36,8 +36,8 @@ LARGEST_MULTIPLIER = 2e3
 # A row that large multipliers leave this far off. Near its longest stride a gait that has a motion is some 1e-3 off
 # then; of patterns without a motion 95 in a hundred were more than 0.08 off in space, 0.16 in the plane.
 UNMET = 2e-2
-# Rows that are nearly met are given up only where multipliers go beyond what those gaits were seen to have, 3e5: without
-# a motion, just beyond the longest stride, they do within 15 iterations.
+# Rows that are nearly met are given up only where multipliers go beyond those of such gaits, 3e5 at most. Just beyond
+# the longest stride, where there is no motion, they do within 15 iterations.
 LARGEST_OF_ALL, NEARLY_MET = 5e5, 5e-4
 EARLY = 10  # iterations in which multipliers only find their size
 
