@@ -64,5 +64,5 @@ def test_what_does_not_vary_is_no_part_of_the_program(anymal: Scenario) -> None:
     scenario = with_axes(anymal, slope=0.0, lateral_speed=0.1, acceleration={"start": 0.0, "stop": 1.0, "count": 2})
     values = task_parameters(scenario.tasks, symbols)
     constant = {axis for axis in AXES if values[axis].is_constant()}
-    assert constant == {"yaw_rate", "slope"}
+    assert constant == {"yaw_rate", "slope", "payload"}
     assert all(values[axis].is_zero() for axis in constant)
