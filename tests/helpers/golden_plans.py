@@ -17,11 +17,12 @@ MODELS = Path(__file__).parents[2] / "models"
 GOLDEN = Path(__file__).parents[1] / "data" / "golden_plans.json"
 EASY, HARD = 4, 4  # plans a map: the first ones drawn, and those of the most iterations
 DRAWN = 200
+LOCAL = "quickstart"  # what `make run` publishes in a checkout, and git ignores
 
 
 def published() -> dict[str, Path]:
-    """The newest version of every map of today's format, by the scenario's name."""
-    folders = {path.name: resolve(path) for path in sorted(MODELS.iterdir()) if path.is_dir()}
+    """The newest version of every map of today's format that is shipped, by the scenario's name."""
+    folders = {path.name: resolve(path) for path in sorted(MODELS.iterdir()) if path.is_dir() and path.name != LOCAL}
     return {name: folder for name, folder in folders.items() if read_manifest(folder).format == FORMAT}
 
 
