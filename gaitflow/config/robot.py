@@ -11,6 +11,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, mod
 
 from gaitflow.config.file import Config, read_yaml
 from gaitflow.config.frames import Frames
+from gaitflow.config.limbs import Limb
 from gaitflow.core.names import quadruped_places
 
 ROUNDING = 1e-6  # relative, of the digits that a robot's moments are written with
@@ -43,6 +44,7 @@ class Robot(Config):
     mirror: tuple[tuple[str, str], ...] = ()  # left-right pairs of legs that swap in a mirror image; a quadruped's two
     source: str = ""  # where the numbers come from
     frames: Frames | None = None  # of the description that it comes from; a robot in space has them
+    limbs: tuple[Limb, ...] | None = None  # how its legs are built; what an objective of energy needs
 
     @model_validator(mode="after")
     def _shapes_agree(self) -> Robot:
@@ -135,11 +137,46 @@ class Robot(Config):
             )
         return self
 
+    @model_validator(mode="after")
+    def _limbs_fit(self) -> Robot:
+        if self.limbs is None:
+            return self
+        if self.dimension == 2:
+            raise ValueError("limbs: need a robot with dimension 3; leave them out")
+        named = tuple(limb.leg for limb in self.limbs)
+        if named != self.leg_names:
+            raise ValueError(
+                f"limbs: are of the legs {short(named)}; allowed is one a leg, in their order: "
+                f"{', '.join(self.leg_names)}"
+            )
+        for limb, leg in zip(self.limbs, self.legs, strict=True):
+            self._reaches(limb, np.array(leg.default_foot))
+        partner = {a: b for a, b in self.mirror}
+        for limb in self.limbs:
+            other = partner.get(limb.leg)
+            if other is not None and self.limbs[named.index(other)] != limb.mirrored(other):
+                raise ValueError(
+                    f"limbs: {other}'s must be the mirror image of {limb.leg}'s when mirror = {self.mirror}"
+                )
+        return self
+
+    def _reaches(self, limb: Limb, foot: np.ndarray[Any, Any]) -> None:
+        """A limb must hold its default foot with a bent knee."""
+        x, y, z = foot - np.array(limb.hip)
+        square = y**2 + z**2 - limb.aside**2
+        length = np.hypot(x, np.sqrt(max(square, 0.0)) - limb.below)
+        if square <= 0 or not abs(limb.thigh - limb.shank) < length < limb.thigh + limb.shank:
+            raise ValueError(
+                f"limbs: {limb.leg}'s default foot is {length:.3f} m from its hip; a thigh of {limb.thigh:g} m and a "
+                f"shank of {limb.shank:g} m do not hold it there"
+            )
+
     @model_serializer(mode="wrap")
-    def _without_unknown_frames(self, data: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Robots without frames are the same data as before there were any."""
+    def _without_unknown(self, data: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Robots without frames or limbs are the same data as before there were any."""
         found: dict[str, Any] = data(self)
-        return found if self.frames is not None else {key: found[key] for key in found if key != "frames"}
+        unknown = [key for key in ("frames", "limbs") if getattr(self, key) is None]
+        return {key: value for key, value in found.items() if key not in unknown}
 
     @property
     def leg_names(self) -> tuple[str, ...]:

@@ -13,7 +13,7 @@ from pathlib import Path
 from reprlib import repr as short
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from gaitflow.config.axes import Range, Tasks
 from gaitflow.config.file import Config, ConfigError, read_yaml, require_mapping
@@ -35,7 +35,8 @@ class Objective(Config):
     """Weights of the integrands of eq. (8)-(10); a term with weight 0 is left out.
 
     Velocity, tilt and lateral feet are taken in the frame that follows the commanded twist. J1 is `force: 1`; J2 is 1e6
-    on the two velocities, tilt and tilt rate; J3 adds force and lateral foot.
+    on the two velocities, tilt and tilt rate; J3 adds force and lateral foot. J4 is energy: what joints' torques turn
+    into heat, and the work that joints do.
     """
 
     force: Weight = 0.0  # sum of squared contact forces [N^2 s]
@@ -44,12 +45,26 @@ class Objective(Config):
     tilt: Weight = 0.0  # base angles against the terrain, squared [rad^2 s]
     tilt_rate: Weight = 0.0  # their rates, squared [rad^2/s]
     lateral_foot: Weight = 0.0  # (P_y - default P_y)^2, 3D only [m^2 s]
+    joint_heat: Weight = 0.0  # sum of squared joint torques, 3D only [N^2 m^2 s]; a weight in W / (N m)^2 makes it J
+    joint_work: Weight = 0.0  # sum of the joints' positive power, 3D only [J]
 
     @model_validator(mode="after")
     def _not_empty(self) -> Objective:
         if not any(self.model_dump().values()):
             raise ValueError("at least one weight must be positive")
         return self
+
+    @property
+    def energy(self) -> bool:
+        """Whether joints count, which a robot's limbs decide."""
+        return bool(self.joint_heat or self.joint_work)
+
+    @model_serializer(mode="wrap")
+    def _without_unused_energy(self, data: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Objectives without energy are the same data as before there was any."""
+        found: dict[str, Any] = data(self)
+        unused = () if self.energy else ("joint_heat", "joint_work")
+        return {key: value for key, value in found.items() if key not in unused}
 
 
 class Transcription(Config):
@@ -136,6 +151,7 @@ class Scenario(Config):
     objective: Objective
     transcription: Transcription = Transcription()
     stances_per_leg: Literal[1, None] = None  # 1: every leg touches down exactly once a cycle; null: any number
+    swing_clearance: Annotated[float, Field(ge=0, lt=1)] = 0.0  # of a foot over the ground in the middle of a swing [m]
     tasks: Tasks
     strategy: Strategy = Strategy()
     learning: Learning = Learning()
@@ -147,6 +163,13 @@ class Scenario(Config):
                 f"objective.lateral_foot = {self.objective.lateral_foot:g}: needs a robot with dimension 3, "
                 f"{self.robot.name} has 2; allowed is 0"
             )
+        if self.swing_clearance > 2 * self.robot.box[-1]:
+            raise ValueError(
+                f"swing_clearance = {self.swing_clearance:g}: the kinematic box lets a foot be at most "
+                f"{2 * self.robot.box[-1]:g} m above another; allowed is less"
+            )
+        if self.objective.energy:
+            self._has_joints()
         spatial = [axis for axis in AXES if AXES[axis].spatial and self.tasks.varies(axis)]
         if spatial and self.robot.dimension == 2:
             raise ValueError(
@@ -168,6 +191,24 @@ class Scenario(Config):
                 )
         return self
 
+    @model_serializer(mode="wrap")
+    def _without_unused_clearance(self, data: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Scenarios without clearance are the same data as before there was any."""
+        found: dict[str, Any] = data(self)
+        return found if self.swing_clearance else {key: found[key] for key in found if key != "swing_clearance"}
+
+    def _has_joints(self) -> None:
+        """Energy needs joints, forces that run linearly, and feet whose velocity is the same a cycle later."""
+        if self.robot.limbs is None:
+            raise ValueError(
+                f"objective.joint_work = {self.objective.joint_work:g}, joint_heat = {self.objective.joint_heat:g}: "
+                f"the robot {self.robot.name} says nothing of its joints (limbs): `gaitflow robot import` it again"
+            )
+        if self.transcription.integrator == "euler":
+            raise ValueError("objective.joint_work and joint_heat: need another transcription.integrator than euler")
+        if self.tasks.varies("acceleration"):
+            raise ValueError("tasks.axes.acceleration: its energy is not modelled; leave the axis or the energy out")
+
     @property
     def problem_digest(self) -> str:
         """Digest of what a single solve depends on beside its task: robot, objective, transcription, stances."""
@@ -180,8 +221,10 @@ class Scenario(Config):
         Of the axes only those that vary: their terms are in the problem.
         """
         data = self.as_data()
-        kept = {key: data[key] for key in ("robot", "objective", "transcription", "stances_per_leg")}
+        parts = ("robot", "objective", "transcription", "stances_per_leg", "swing_clearance")
+        kept = {key: data[key] for key in parts if key in data}
         beside = ("source", "frames")  # prose and names, no physics
+        beside += () if self.objective.energy else ("limbs",)
         kept["robot"] = {key: value for key, value in data["robot"].items() if key not in beside}
         return kept | {"axes": [axis for axis in AXES if self.tasks.varies(axis)]}
 

@@ -85,6 +85,7 @@ def _found(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task, stan
         "foot height": _excess(feet[..., -1] - lift),
         "force in swing": _largest(forces[:, ~stance]) / weight,
         "slip in stance": _largest(moved[stance]),
+        "swing clearance": _low_swings(scenario, feet, stance),
         "lift in stance": max(_largest(feet[:-1][stance][..., -1]), _largest(feet[1:][stance][..., -1])),
         "foot speed": _excess(np.abs(seen_from_frame(velocities, reached[:-1] + h / 2, task)) - fastest),
         "tilt": _excess(np.abs(limited) - float(robot["max_tilt"])),
@@ -100,6 +101,18 @@ def _stance(pattern: str, legs: int, phases: int, knots_per_phase: int) -> Mask:
     if len(rows) != legs or any(len(row) != phases or row.strip("01") for row in rows):
         raise ValueError(f"pattern {pattern[:80]!r}: the scenario has {legs} legs and {phases} phases")
     return np.repeat(np.array([[digit == "1" for digit in row] for row in rows]).T, knots_per_phase, axis=0)
+
+
+def _low_swings(scenario: Mapping[str, Any], feet: Array, stance: Mask) -> float:
+    """How much [m] a foot is too low in the middle of a swing."""
+    wanted, low = float(scenario.get("swing_clearance", 0.0)), 0.0
+    for leg in range(stance.shape[1] if wanted else 0):
+        begins = np.flatnonzero(~stance[:, leg] & np.roll(stance[:, leg], 1))
+        for begin in begins:
+            length = int(np.argmax(np.roll(stance[:, leg], -begin)))
+            knots = begin + np.array([length // 2, (length + 1) // 2])
+            low = max(low, wanted - float(feet[knots % len(stance), leg, -1].min()))
+    return low
 
 
 def _shapes(trajectory: Trajectory) -> list[tuple[int, ...]]:

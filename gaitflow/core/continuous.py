@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from gaitflow.core.joints import Joints, knot_motion
 from gaitflow.core.rigid_body import Attitude, RigidBody, moment
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array, Trajectory
@@ -33,7 +34,11 @@ def cost(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task) -> flo
     else:
         nodes, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
         fractions, weights = (nodes + 1) / 2, weights / 2
-    integrands = _integrand(scenario["objective"], motion.body, motion.at(fractions), task)
+    seen = motion.at(fractions)
+    integrands = _integrand(scenario["objective"], motion.body, seen, task)
+    joints = Joints.of(scenario)
+    if joints is not None:
+        integrands += _watts(joints, motion, seen, fractions, task)
     return float(weights @ integrands @ motion.h)
 
 
@@ -239,9 +244,29 @@ def _integrand(objective: Mapping[str, Any], body: RigidBody, seen: Moments, tas
         "lateral_foot": lateral,
     }
     weighted = np.zeros(seen.times.shape)
-    for name, weight in objective.items():
-        weighted += float(weight) * terms[name]
+    for name, term in terms.items():
+        weighted += float(objective.get(name, 0.0)) * term
     return weighted
+
+
+def _watts(joints: Joints, motion: Motion, seen: Moments, fractions: Array, task: Task) -> Array:
+    """The joints' part of the integrand [n, K]."""
+    position, angles, velocity, omega = motion.body.split(seen.base)
+    attitude = Attitude(angles)
+    places = attitude.into_base(seen.feet - position[..., None, :])
+    passing = -attitude.into_base(np.broadcast_to(velocity[..., None, :], places.shape))
+    passing -= np.cross(omega[..., None, :], places)
+    watts = joints.standing(places, passing, attitude.into_base(seen.forces))
+
+    starts = np.cumsum(motion.h) - motion.h
+    middles = seen_from_frame(motion.trajectory.foot_velocities, starts + motion.h / 2, task)
+    moving, pushed = knot_motion(middles, motion.h)
+    times = np.append(starts, starts[-1] + motion.h[-1])
+    moving[..., 0] -= (task["speed"] + task["acceleration"] * (times - task.cycle_duration / 2))[:, None]
+    moving[..., 1] -= task["lateral_speed"]
+    s = fractions[:, None, None, None]
+    along = (each[:-1] + s * (each[1:] - each[:-1]) for each in (moving, pushed))
+    return np.asarray(watts + joints.swinging(*along))
 
 
 def _origins(task: Task, times: Array) -> Array:

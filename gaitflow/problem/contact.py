@@ -24,11 +24,16 @@ def highest_lift(robot: Robot) -> float:
     return max(-leg.default_foot[-1] for leg in robot.legs) + robot.box[-1]
 
 
-def fix_contacts(layout: Layout, pattern: Pattern, lower: Array, upper: Array) -> None:
+def fix_contacts(layout: Layout, pattern: Pattern, lower: Array, upper: Array, clearance: float = 0.0) -> None:
     """Impose a pattern on the variable bounds [nw] in place, eq. (7c, 7d).
 
-    Swing: force = 0. Stance: foot velocity = 0, and foot height = 0 at every knot of the phase, its end included.
+    Swing: force = 0, and in its middle the foot is at least `clearance` [m] above the ground. Stance: foot
+    velocity = 0, and foot height = 0 at every knot of the phase, its end included.
     """
+    for leg in range(layout.legs if clearance else 0):
+        for knot in middles_of_swings(pattern.rows[leg], layout.knots_per_phase):
+            height = layout.foot(knot, leg).stop - 1
+            lower[height] = clearance
     for step in range(layout.steps):
         column = pattern.column(layout.phase_of(step))
         for leg in range(layout.legs):
@@ -45,6 +50,19 @@ def fix_contacts(layout: Layout, pattern: Pattern, lower: Array, upper: Array) -
                 for knot in closed:
                     height = layout.foot(knot, leg).stop - 1
                     lower[height] = upper[height] = 0.0
+
+
+def middles_of_swings(row: str, knots_per_phase: int) -> list[int]:
+    """The knots in the middle of each swing of a leg's row "0110", knot 0 as well where the last one is it."""
+    phases = len(row)
+    steps, found = phases * knots_per_phase, set()
+    for phase in range(phases):
+        if row[phase] == "0" and row[phase - 1] == "1":
+            length = next(n for n in range(1, phases) if row[(phase + n) % phases] == "1") * knots_per_phase
+            for half in (length // 2, (length + 1) // 2):
+                middle = phase * knots_per_phase + half
+                found |= {middle % steps} | ({middle} if middle == steps else set())
+    return sorted(found)
 
 
 def big_m_rows(robot: Robot, layout: Layout, x: ca.SX, u: ca.SX, contact: ca.SX) -> ca.SX:

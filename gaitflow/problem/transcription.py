@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import casadi as ca
 import numpy as np
@@ -19,6 +20,7 @@ from gaitflow.core.task import AXES
 from gaitflow.problem import contact, friction, kinematics, periodicity, timing
 from gaitflow.problem.bounds import Bounds, constant_rows, physical_bounds
 from gaitflow.problem.dynamics import Body, Node, body_of, node
+from gaitflow.problem.energy import JointCost, knot_motion
 from gaitflow.problem.objectives import StepCost
 from gaitflow.problem.step import base_defects
 from gaitflow.problem.task import TaskParameters, task_parameters
@@ -64,7 +66,7 @@ class GaitProblem:
                 f"the scenario has {layout.legs} and {layout.phases}"
             )
         lower, upper = self._free.lower.copy(), self._free.upper.copy()
-        contact.fix_contacts(layout, pattern, lower, upper)
+        contact.fix_contacts(layout, pattern, lower, upper, self.scenario.swing_clearance)
         lower_rows, upper_rows = self._free.lower_rows.copy(), self._free.upper_rows.copy()
         constant = constant_rows(layout, pattern, self.ng, self.scenario.tasks.varies("yaw_rate"))
         lower_rows[constant], upper_rows[constant] = -np.inf, np.inf
@@ -112,7 +114,9 @@ def _cost_scale(scenario: Scenario, layout: Layout) -> float:
     """A cost of order one for the solver: the largest weight, forces over the robot's weight."""
     weights = scenario.objective.as_data()
     force = weights.pop("force") * layout.weight**2
-    return max(force, *weights.values())
+    heat, work = weights.pop("joint_heat", 0.0), weights.pop("joint_work", 0.0)
+    lever = max(-leg.default_foot[-1] for leg in scenario.robot.legs)
+    return max(force, heat * (layout.weight * lever) ** 2, work * layout.weight * lever, *weights.values())
 
 
 class _Nodes:
@@ -176,8 +180,32 @@ def _terms(scenario: Scenario, layout: Layout, w: ca.SX, parameters: ca.SX) -> t
             cones.append(friction.friction_rows(task["friction"], last))
         if scenario.tasks.varies("yaw_rate"):
             speeds += [velocity[:-1] for velocity in _foot_velocities(layout, w, task, times, k)]
+    if objective.energy:
+        cost += _energy(scenario, layout, w, task, nodes, times)
     closing = periodicity.periodicity_rows(layout, w[layout.state(0)], w[layout.state(layout.steps)], task)
     return cost, [*defects, *offsets, *between, *cones, *speeds, closing, timing.cycle_row(fractions)]
+
+
+def _energy(
+    scenario: Scenario, layout: Layout, w: ca.SX, task: TaskParameters, nodes: _Nodes, times: list[ca.SX]
+) -> ca.SX:
+    """The joints' part of the cost: standing legs by the trapezoidal rule, swinging ones by Simpson's."""
+    joints = JointCost(scenario.robot, scenario.objective)
+    steps = [end - start for start, end in pairwise(times)]
+    cost = ca.SX(0)
+    for k, h in enumerate(steps):
+        cost += h / 2 * joints.standing(nodes.start(k))
+        if k and layout.phase_of(k) == layout.phase_of(k - 1):
+            cost += steps[k - 1] / 2 * joints.standing(nodes.start(k))
+        if (k + 1) % layout.knots_per_phase == 0:
+            cost += h / 2 * joints.standing(nodes.end(k))
+    seen = [_foot_velocities(layout, w, task, times, k) for k in range(layout.steps)]
+    against = [task.velocity(time, layout.dimension) for time in times]
+    for leg in range(layout.legs):
+        knots = knot_motion([at_step[leg] for at_step in seen], steps)
+        ends = [(velocity - body, push) for (velocity, push), body in zip(knots, against, strict=True)]
+        cost += sum((h * joints.swinging(leg, *each) for h, each in zip(steps, pairwise(ends), strict=True)), ca.SX(0))
+    return cost
 
 
 def _foot_velocities(layout: Layout, w: ca.SX, task: TaskParameters, times: list[ca.SX], step: int) -> list[ca.SX]:

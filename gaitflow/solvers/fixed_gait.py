@@ -35,7 +35,9 @@ Method = Literal["interior_point", "ipopt"]
 KEPT = 6_000_000  # derivatives in the matrices that stay in memory, of the patterns used last: about 400 MB
 COLD_BARRIER, WARM_BARRIER = 0.1, 1e-3  # of a start without and with multipliers
 COLD_LIMIT, WARM_LIMIT = 60, 40  # iterations
-OTHER_UNITS = (1 / 30, 30.0)  # what a cost may be instead of what was expected
+UNITS = (1.0, 1 / 30, 30.0)  # what a cost may be instead of what was expected
+# Any motion takes energy, and gaits differ by little of it: what a Newton step may trade for a constraint is that.
+UNITS_OF_ENERGY = (0.01, 0.1, 1.0)
 
 
 @dataclass(frozen=True)
@@ -133,12 +135,12 @@ class FixedGaitSolver:
                 break
         return self._answer(method.space, outcome, unit, spent)
 
-    @staticmethod
-    def _tries(expected: float, start: Start) -> list[tuple[float, float, int, bool]]:
+    def _tries(self, expected: float, start: Start) -> list[tuple[float, float, int, bool]]:
         """Units of cost, barriers, limits and whether to be careful, to try in turn."""
         if start.multipliers is not None:
             return [(expected, WARM_BARRIER, WARM_LIMIT, False)]
-        return [(expected * factor, COLD_BARRIER, COLD_LIMIT, True) for factor in (1.0, *OTHER_UNITS)]
+        units = UNITS_OF_ENERGY if self.problem.scenario.objective.energy else UNITS
+        return [(expected * factor, COLD_BARRIER, COLD_LIMIT, True) for factor in units]
 
     def _expected_cost(self, w: Array, task: Task) -> float:
         """About the scaled cost of a motion: the start's, where that is not nothing.

@@ -16,6 +16,7 @@ from gaitflow.core.names import leg_place
 from gaitflow.urdf.chain import LegChain
 from gaitflow.urdf.contact import contact_point
 from gaitflow.urdf.description import Description, read_description
+from gaitflow.urdf.limbs import limbs_of
 from gaitflow.urdf.limits import max_foot_speed, max_vertical_force
 from gaitflow.urdf.mechanism import Array, load_mechanism
 from gaitflow.urdf.pose import find_srdf, is_written, pose_of
@@ -97,6 +98,9 @@ def import_robot(request: Request) -> Imported:
     contacts = [_contact(urdf, foot, leg) for foot, leg in zip(request.feet, legs, strict=True)]
     if any(contact is None for contact in contacts):
         found.append("a foot has no collision sphere: where its link's origin is it touches the ground")
+    limbs = limbs_of(legs, centre, body.feet, body.pairs)
+    if limbs is None:
+        found.append("legs are not built of hip abduction, hip flexion and knee: no objective of energy")
     robot = {
         "name": request.name,
         "dimension": 3,
@@ -117,7 +121,7 @@ def import_robot(request: Request) -> Imported:
                 for name, foot, contact in zip(names, request.feet, contacts, strict=True)
             ],
         },
-    }
+    } | ({} if limbs is None else {"limbs": limbs})
     return Imported(Robot.from_data(robot, f"robot {request.name}"), tuple(found))
 
 

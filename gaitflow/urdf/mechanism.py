@@ -101,6 +101,24 @@ class Mechanism:
         )
         return np.array(self.data.oMf[frame].translation), np.array(jacobian[:3, BASE_VELOCITIES:])
 
+    def axes(self, joints: Sequence[int], angles: Array) -> tuple[Array, Array]:
+        """Origins [joints, 3] m and axes [joints, 3] of these joints, in the base frame."""
+        import pinocchio
+
+        jacobian = pinocchio.computeJointJacobians(self.model, self.data, self.configuration(angles))
+        numbers = [self.model.getJointId(self.joint_names[joint]) for joint in joints]
+        origins = np.array([self.data.oMi[number].translation for number in numbers])
+        return origins, np.array([jacobian[3:, self.model.idx_vs[number]] for number in numbers])
+
+    def joint_inertia(self, joints: Sequence[int], angles: Array) -> Array:
+        """What these joints have to move, the base held: their part of the joint-space inertia [joints, joints]."""
+        import pinocchio
+
+        upper = np.triu(pinocchio.crba(self.model, self.data, self.configuration(angles)))
+        whole = upper + np.triu(upper, 1).T
+        own = [self.model.idx_vs[self.model.getJointId(self.joint_names[joint])] for joint in joints]
+        return np.array(whole[np.ix_(own, own)])
+
     def joints_of(self, links: Sequence[str]) -> tuple[tuple[int, ...], ...]:
         """For each link the joints between it and the base that move no other of these links, base first.
 

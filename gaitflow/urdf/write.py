@@ -10,6 +10,7 @@ import numpy as np
 import yaml
 
 from gaitflow.config.frames import Frames
+from gaitflow.config.limbs import Limb
 from gaitflow.config.robot import Robot
 from gaitflow.files import new_file
 
@@ -35,6 +36,7 @@ def robot_text(robot: Robot, comments: Iterable[str]) -> str:
         f"mirror: [{', '.join(f'[{_word(left)}, {_word(right)}]' for left, right in robot.mirror)}]",
         f"source: {json.dumps(robot.source)}",
         *_frames(robot.frames),
+        *_limbs(robot.limbs),
     ]
     return "\n".join(lines) + "\n"
 
@@ -58,6 +60,25 @@ def _frames(frames: Frames | None) -> list[str]:
             for foot in frames.feet
         ),
     ]
+
+
+def _limbs(limbs: Iterable[Limb] | None) -> list[str]:
+    if limbs is None:
+        return []
+    lines = ["limbs:  # how legs are built; m, in the base frame at the centre of mass, and kg m^2"]
+    for limb in limbs:
+        lines += [
+            f"  - leg: {_word(limb.leg)}",
+            f"    hip: {_vector(limb.hip)}  # x of the flexion axis, y and z of the abduction axis",
+            f"    aside: {_number(limb.aside)}  # the leg's plane, from the abduction axis to the left",
+            f"    below: {_number(limb.below)}  # the flexion axis, under the abduction axis in that plane",
+            f"    thigh: {_number(limb.thigh)}",
+            f"    shank: {_number(limb.shank)}",
+            f"    knee: {limb.knee}",
+            f"    abduction_inertia: {_number(limb.abduction_inertia)}  # of the leg, standing",
+            f"    flexion_inertia: [{', '.join(map(_vector, limb.flexion_inertia))}]  # about hip flexion and knee",
+        ]
+    return lines
 
 
 def _number(value: float) -> str:

@@ -1,0 +1,132 @@
+"""J4 once more, in numpy: torques and rates of joints, for the check's own cost.
+
+Written without the transcription's code: the joints' angles are solved for, and torques and rates come from the
+Jacobian of axes and levers. Arrays have any leading axes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from gaitflow.core.trajectory import Array
+
+SMOOTH_POWER = 0.2  # W/kg, of the objective
+
+
+@dataclass(frozen=True, eq=False)
+class Limb:
+    """A leg of a robot's JSON data: hip [3] m, lengths m, inertia [3, 3] kg m^2 of its joints in the standing pose."""
+
+    hip: Array
+    aside: float
+    below: float
+    thigh: float
+    shank: float
+    bend: float  # 1: the knee is before the line from hip to foot
+    inertia: Array
+
+    @classmethod
+    def of(cls, data: Mapping[str, Any]) -> Limb:
+        """A limb of a robot's JSON data."""
+        inertia = np.zeros((3, 3))
+        inertia[0, 0], inertia[1:, 1:] = data["abduction_inertia"], data["flexion_inertia"]
+        return cls(
+            hip=np.array(data["hip"], dtype=float),
+            aside=float(data["aside"]),
+            below=float(data["below"]),
+            thigh=float(data["thigh"]),
+            shank=float(data["shank"]),
+            bend=1.0 if data["knee"] == "forward" else -1.0,
+            inertia=inertia,
+        )
+
+    def jacobian(self, foot: Array) -> Array:
+        """Of a foot at places [..., 3] m of the base frame, by the joints' angles [..., 3, 3]."""
+        x, y, z = np.moveaxis(foot - self.hip, -1, 0)
+        down = np.sqrt(y**2 + z**2 - self.aside**2)
+        abduction = np.arctan2(y, -z) - np.arctan2(self.aside, down)  # of the plane, from hanging straight down
+        down = down - self.below
+        length = np.hypot(x, down)
+        at_hip = np.arccos((length**2 + self.thigh**2 - self.shank**2) / (2 * length * self.thigh))
+        swung = np.arctan2(x, down) + self.bend * at_hip  # of the thigh, forward
+        axis = _stack(np.zeros_like(x), np.cos(abduction), np.sin(abduction))
+        under = _stack(np.zeros_like(x), np.sin(abduction), -np.cos(abduction))
+        flexion = self.below * under + self.aside * axis
+        thigh = self.thigh * (np.sin(swung)[..., None] * [1.0, 0.0, 0.0] + np.cos(swung)[..., None] * under)
+        from_hip = foot - self.hip
+        forward = np.broadcast_to([1.0, 0.0, 0.0], foot.shape)
+        columns = [
+            np.cross(forward, from_hip),
+            np.cross(axis, from_hip - flexion),
+            np.cross(axis, from_hip - flexion - thigh),
+        ]
+        return np.stack(columns, axis=-1)
+
+
+@dataclass(frozen=True, eq=False)
+class Joints:
+    """All limbs of a robot, and the weights of heat and work."""
+
+    limbs: Sequence[Limb]
+    default_feet: Array
+    heat: float
+    work: float
+    smallest: float  # W
+
+    @classmethod
+    def of(cls, scenario: Mapping[str, Any]) -> Joints | None:
+        """The joints that a scenario's objective counts; None where it does not."""
+        objective, robot = scenario["objective"], scenario["robot"]
+        heat, work = float(objective.get("joint_heat", 0.0)), float(objective.get("joint_work", 0.0))
+        if not heat and not work:
+            return None
+        feet = np.array([leg["default_foot"] for leg in robot["legs"]], dtype=float)
+        limbs = [Limb.of(limb) for limb in robot["limbs"]]
+        return cls(limbs, feet, heat, work, SMOOTH_POWER * float(robot["mass"]))
+
+    def standing(self, feet: Array, velocities: Array, forces: Array) -> Array:
+        """Weighted watts [...] of legs that push; all [..., legs, 3] in the base frame: places and velocities against
+        the base, forces on the robot."""
+        total = np.zeros(feet.shape[:-2])
+        for leg, limb in enumerate(self.limbs):
+            jacobian = limb.jacobian(feet[..., leg, :])
+            torques = -np.einsum("...ij,...i->...j", jacobian, forces[..., leg, :])
+            rates = np.linalg.solve(jacobian, velocities[..., leg, :, None])[..., 0]
+            total += self._watts(torques, rates)
+        return total
+
+    def swinging(self, velocities: Array, accelerations: Array) -> Array:
+        """Weighted watts [...] of feet's velocities against the body and accelerations [..., legs, 3], in the frame
+        that follows the command."""
+        total = np.zeros(velocities.shape[:-2])
+        for leg, limb in enumerate(self.limbs):
+            inverse = np.linalg.inv(limb.jacobian(self.default_feet[leg]))
+            total += self._watts(
+                accelerations[..., leg, :] @ (limb.inertia @ inverse).T, velocities[..., leg, :] @ inverse.T
+            )
+        return total
+
+    def _watts(self, torques: Array, rates: Array) -> Array:
+        power = torques * rates
+        positive = (power + np.hypot(power, self.smallest) - self.smallest) / 2
+        return np.asarray(self.heat * (torques**2).sum(axis=-1) + self.work * positive.sum(axis=-1))
+
+
+def knot_motion(velocities: Array, h: Array) -> tuple[Array, Array]:
+    """Velocities and accelerations of feet at K + 1 knots [K+1, legs, d]; velocities [K, legs, d] of steps h [K] s.
+
+    On the line from the middle of one step to that of the next; the first knot is the last one.
+    """
+    then, last = np.roll(velocities, 1, axis=0), np.roll(h, 1)[:, None, None]
+    step = h[:, None, None]
+    moving = (then * step + velocities * last) / (last + step)
+    pushed = 2 * (velocities - then) / (last + step)
+    return np.concatenate([moving, moving[:1]]), np.concatenate([pushed, pushed[:1]])
+
+
+def _stack(*components: Array) -> Array:
+    return np.stack(components, axis=-1)
