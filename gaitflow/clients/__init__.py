@@ -1,0 +1,1 @@
+"""Programs of robots that take a plan: simulation, whole-body shooting, predictive control."""
