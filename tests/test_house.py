@@ -43,6 +43,7 @@ EXTRAS = {
     "learn/": ("solve", "learn"),
     "report/": ("solve", "workflow", "report"),
     "urdf/": ("robots",),
+    "clients/": ("clients",),
 }
 
 
