@@ -80,10 +80,8 @@ class WholeBody:
             found.append(rest)
         configurations, velocities, missed = (np.array(column) for column in zip(*found, strict=True))
         accelerations = np.diff(velocities, axis=0) / np.diff(times)[:, None]
-        torques = [
-            self._torques(*moving, forces)
-            for *moving, forces in zip(configurations, velocities, accelerations, within.forces, strict=False)
-        ]
+        moving = zip(configurations, velocities, accelerations, within.forces, strict=False)
+        torques = [self._torques(q, v, acceleration, forces) for q, v, acceleration, forces in moving]
         return JointMotion(seen.time, configurations, velocities, np.reshape(torques, (-1, len(angles))), missed)
 
     def _base_motion(self, motion: Motion) -> Motion:
@@ -201,5 +199,5 @@ def rotation(quaternion: Array) -> Array:
 
 def _damped(jacobian: Array, wanted: Array) -> Array:
     """The least-squares step, held back where the leg is stretched."""
-    step: Array = np.linalg.solve(jacobian.T @ jacobian + DAMPING * np.eye(jacobian.shape[1]), jacobian.T @ wanted)
-    return step
+    square = jacobian.T @ jacobian + DAMPING * np.eye(jacobian.shape[1])
+    return np.asarray(np.linalg.solve(square, jacobian.T @ wanted), dtype=np.float64)
