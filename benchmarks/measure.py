@@ -10,6 +10,7 @@ from typing import Any
 
 import pandas as pd
 
+from benchmarks.clients import starts
 from benchmarks.infrastructure import faults, overhead, speedup, store
 from benchmarks.online import cpp, map, online, select
 from benchmarks.paper import discovery, minlp, phases, ranking, stances, table1, table2
@@ -48,6 +49,7 @@ def measure(
         "certificate": lambda: certificate.run(
             scenario, pd.read_parquet(workspace.run(scenario).labels), seed=seed, runs=runs, **own
         ),
+        "clients": lambda: starts.run(resolve(workspace.models / scenario.name), seed=seed, **own),
         "cpp": lambda: cpp.run(resolve(workspace.models / scenario.name), seed=seed, **own),
         "discovery": lambda: discovery.run(
             scenario, seed=seed, runs=runs, map_cpu_s=_map_cpu(workspace, scenario), **own

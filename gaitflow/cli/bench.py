@@ -13,8 +13,8 @@ from gaitflow.cli.options import json_option
 from gaitflow.pipeline.workspace import Workspace
 
 BENCHES = (
-    "certificate", "cpp", "discovery", "faults", "map", "mesh", "minlp", "online", "overhead", "phases", "ranking",
-    "referee", "scaling", "select", "speedup", "stances", "store", "table1", "table2",
+    "certificate", "clients", "cpp", "discovery", "faults", "map", "mesh", "minlp", "online", "overhead", "phases",
+    "ranking", "referee", "scaling", "select", "speedup", "stances", "store", "table1", "table2",
 )  # fmt: skip
 PIPED_WIDTH = 160  # a table in a file need not fit a terminal
 DEFAULT_SCENARIO = "half-cheetah-flat-effort"
@@ -48,6 +48,7 @@ def bench(
     map        what making a map took, every label checked again (after `gaitflow run`)
     select     loading a map and asking it
     online     planning from a map: latency, consistency, and the paper's way beside it; draws a figure, too
+    clients    whole-body shooting and predictive control from a map's plans, from a hand-made trot, and cold
     cpp        planning from an exported map in C++ (needs cmake, cc, g++)
     stances    what one stance per leg costs (needs the runs of SCENARIO and SCENARIO-free)
     phases     what more phases gain (SCENARIO is S-eight-phases; needs its run and that of S)

@@ -23,7 +23,7 @@ INTERVALS = 24  # of a horizon of one cycle
 PLACE, TURN, SPEED, SPIN, FORCE = (10.0, 10.0, 100.0), (50.0, 50.0, 50.0), (20.0, 20.0, 5.0), (1.0, 1.0, 1.0), 1.0
 LAST = 0.1  # s, how long the last state counts
 MOST_ITERATIONS = 100
-TOLERANCE = 1e-4  # forces over the weight; brings the cost within a per cent
+TOLERANCE = 1e-5  # of forces over the weight among others; brings the cost within a per cent
 BARRIER = 1e-4  # at the start, which is near
 
 

@@ -18,7 +18,6 @@ Start = Literal["motion", "cold"]
 STEP = 0.02  # s
 MOST_ITERATIONS = 100
 STOP = 1e-5  # expected improvement of the cost, which is some units
-CLOSING = 20.0  # times what was expected a step may cost that closes gaps; a motion's start is full of small ones
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +68,7 @@ def shoot(body: WholeBody, motion: Motion, cycles: int = 2, dt: float = STEP, st
         states = [states[0]] * len(states)
         torques = list(problem.quasiStatic(states[:-1]))
     solver = crocoddyl.SolverFDDP(problem)
-    solver.th_stop, solver.th_acceptNegStep = STOP, CLOSING
+    solver.th_stop = STOP
     began = time.perf_counter()
     converged = solver.solve(states, torques, MOST_ITERATIONS)
     seconds = time.perf_counter() - began

@@ -16,8 +16,8 @@ from gaitflow.urdf.mechanism import BASE_VELOCITIES, Mechanism, load_mechanism
 from gaitflow.urdf.pose import find_srdf, pose_of
 
 CLOSE = 0.01  # m: what a foot may be off the map's robot, which was made left-right symmetric
-ITERATIONS = 20
-DAMPING = 1e-8  # m^2, against a Jacobian of some 0.1 m^2
+ITERATIONS = 30
+LEAST_DAMPING, DAMPING = 1e-8, 1e-5  # m^2, of angles and of velocities; a Jacobian's squares are some 0.05 m^2
 MET = 1e-6  # m
 
 
@@ -27,8 +27,9 @@ class JointMotion:
 
     times [n] s. configurations [n, nq]: base link's origin [m], quaternion (x, y, z, w), joints [rad]. velocities
     [n, nv]: base link's, linear [m/s] and angular [rad/s] in its own frame, joints [rad/s]. torques [n - 1, joints]
-    N m: of the joints from one time to the next, by inverse dynamics with the planned forces. missed [n, legs] m: how
-    far the feet stay off the motion's, which is more than rounding only where a leg is too short.
+    N m: of the joints from one time to the next, by inverse dynamics with the planned forces. Velocities of joints
+    and torques end at the joints' limits. missed [n, legs] m: how far the feet stay off the motion's, which is more
+    than rounding only where a leg is too short.
     """
 
     times: Array
@@ -109,7 +110,8 @@ class WholeBody:
         rates = np.zeros_like(angles)
         for leg, joints in enumerate(self.joints):
             _, jacobian = self.mechanism.point(self.feet[leg], angles)
-            rates[list(joints)] = _damped(jacobian[:, joints], paces[leg])
+            rates[list(joints)] = _damped(jacobian[:, joints], paces[leg], DAMPING)
+        rates = np.clip(rates, -self.mechanism.velocity, self.mechanism.velocity)
         q = self.configuration(position, seen.orientation[which], angles)
         return angles, q, np.concatenate([speed, omega, rates]), missed
 
@@ -122,23 +124,29 @@ class WholeBody:
         for foot, force in zip(self.feet, forces, strict=True):
             jacobian = pinocchio.computeFrameJacobian(model, data, q, foot, world)
             torques -= jacobian[:3].T @ force
-        return torques[BASE_VELOCITIES:]
+        return np.clip(torques[BASE_VELOCITIES:], -self.mechanism.effort, self.mechanism.effort)
 
     def _reaching(self, feet: Array, near: Array) -> tuple[Array, Array]:
         """Angles [joints] that put feet [legs, 3] m of the base frame nearest, from angles near by; distances [legs].
 
-        Damped Gauss-Newton steps, a leg at a time, within the joints' limits.
+        Gauss-Newton steps, a leg at a time, within the joints' limits, damped as much as keeps the foot coming nearer:
+        a leg that is too short ends up stretched.
         """
         mechanism, angles, missed = self.mechanism, near.copy(), np.zeros(len(feet))
         for leg, joints in enumerate(self.joints):
-            own = list(joints)
+            own, damping = list(joints), LEAST_DAMPING
+            at, jacobian = mechanism.point(self.feet[leg], angles)
             for _ in range(ITERATIONS):
-                at, jacobian = mechanism.point(self.feet[leg], angles)
                 missed[leg] = np.linalg.norm(feet[leg] - at)
                 if missed[leg] < MET:
                     break
-                step = _damped(jacobian[:, own], feet[leg] - at)
-                angles[own] = np.clip(angles[own] + step, mechanism.lower[own], mechanism.upper[own])
+                tried, step = angles.copy(), _damped(jacobian[:, own], feet[leg] - at, damping)
+                tried[own] = np.clip(angles[own] + step, mechanism.lower[own], mechanism.upper[own])
+                reached, turned = mechanism.point(self.feet[leg], tried)
+                if np.linalg.norm(feet[leg] - reached) < missed[leg]:
+                    angles, at, jacobian, damping = tried, reached, turned, max(damping / 10, LEAST_DAMPING)
+                else:
+                    damping *= 10
         return angles, missed
 
 
@@ -197,7 +205,7 @@ def rotation(quaternion: Array) -> Array:
     )
 
 
-def _damped(jacobian: Array, wanted: Array) -> Array:
+def _damped(jacobian: Array, wanted: Array, damping: float) -> Array:
     """The least-squares step, held back where the leg is stretched."""
-    square = jacobian.T @ jacobian + DAMPING * np.eye(jacobian.shape[1])
+    square = jacobian.T @ jacobian + damping * np.eye(jacobian.shape[1])
     return np.asarray(np.linalg.solve(square, jacobian.T @ wanted), dtype=np.float64)

@@ -34,7 +34,7 @@ def test_feet_and_base_are_where_the_motion_has_them(
             pinocchio.updateFramePlacement(model, data, frame)
             np.testing.assert_allclose(data.oMf[frame].translation, feet[leg], atol=1e-5)
             speed = pinocchio.getFrameVelocity(model, data, frame, pinocchio.LOCAL_WORLD_ALIGNED).linear
-            np.testing.assert_allclose(speed, velocities[leg], atol=1e-3)
+            np.testing.assert_allclose(speed, velocities[leg], atol=5e-3)
 
 
 def test_velocities_are_those_of_the_configurations(body: WholeBody, trot: Motion) -> None:
@@ -61,8 +61,8 @@ def test_torques_of_standing_hold_the_robot_still(body: WholeBody, planned: Moti
 
 
 def test_a_foot_that_no_leg_reaches_is_missed_and_said_so(body: WholeBody, plan: Plan) -> None:
-    missed = body.along(plan.motion(swing_apex=0.9), np.arange(0.0, 0.6, 0.01)).missed
-    assert 0.2 < missed.max() < 1.0
+    missed = body.along(plan.motion(swing_apex=1.5), np.arange(0.0, 0.6, 0.01)).missed
+    assert 0.3 < missed.max() < 1.0
 
 
 def test_another_robot_is_refused_in_one_line(anymal: Path, plan: Plan) -> None:

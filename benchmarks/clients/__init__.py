@@ -1,0 +1,1 @@
+"""What robots' programs make of a map's plans."""

@@ -1,0 +1,34 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from benchmarks.clients.starts import installed_description, run
+from benchmarks.document import plain
+from gaitflow.runtime import GaitMap
+
+STARTS = ["plan", "plan, cold", "trot", "trot, cold"]
+
+
+def test_a_row_for_each_start_of_the_same_task(checkout: Path) -> None:
+    done = run(checkout / "models" / "anymal-exact-vibration" / "1.0.0", tasks=1, seed=3)
+    assert done["bench"] == "clients" and done["scenario"] == "anymal-exact-vibration"
+    assert plain(done) == done
+    assert [row["start"] for row in done["rows"]] == STARTS == list(done["summary"])
+    assert len({(row["speed"], row["cycle_duration"]) for row in done["rows"]}) == 1
+    for solver in ("crocoddyl", "fatrop"):
+        costs = [row[solver]["cost"] for row in done["rows"]]
+        assert all(row[solver]["ready"] for row in done["rows"])
+        assert costs[0] == pytest.approx(costs[1], rel=0.02)
+        assert costs[2] == pytest.approx(costs[3], rel=0.02)
+        assert costs[0] != pytest.approx(costs[2], rel=1e-3)
+
+
+def test_a_robot_that_came_from_elsewhere_is_named(checkout: Path) -> None:
+    scenario = GaitMap.load(checkout / "models" / "anymal-exact-vibration").manifest.scenario
+    assert installed_description(scenario).name == "anymal.urdf"
+    for source in (None, "elsewhere/walker.urdf, pose standing"):
+        other = {"robot": scenario["robot"] | {"name": "walker", "source": source}}
+        with pytest.raises(ValueError, match="robot walker"):
+            installed_description(other)
