@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import statistics
 from collections.abc import Iterator, Mapping, Sequence
-from importlib.metadata import PackageNotFoundError, files
+from importlib.metadata import PackageNotFoundError, files, version
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +40,9 @@ def run(artifact: Path, tasks: int = 8, seed: int = 0) -> dict[str, Any]:
     rows = [row for plan in _plans(gait_map, tasks, seed) for row in _rows(plan, body, predictor)]
     methods = dict.fromkeys(row["start"] for row in rows)
     summary = {method: _summary([row for row in rows if row["start"] == method]) for method in methods}
-    return document("clients", gait_map.manifest.name, rows, summary, NOTES)
+    done = document("clients", gait_map.manifest.name, rows, summary, NOTES)
+    done["versions"] |= {name: version(name) for name in ("crocoddyl", "pin")}
+    return done
 
 
 def installed_description(scenario: Mapping[str, Any]) -> Path:
