@@ -25,6 +25,8 @@ NOTES = (
     "crocoddyl: FDDP on the whole body over two cycles, steps of 0.02 s; from a motion it starts at its inverse "
     "kinematics and torques, cold in the first state all along with the torques that hold it still",
     "fatrop: a single rigid body over one cycle of 24 intervals; cold in the first state all along, the weight shared",
+    "plan's swings: the feet of the plan itself, which stay in the map's kinematic box, straight from knot to knot; plan: "
+    "the smooth swings of Plan.motion; fatrop, to which swings do not matter, has the same problem twice",
     "plan and trot are two problems, each with its own contacts, of the same weights of the command and of torques or "
     "forces; cold is the same problem as the line before it, so its cost should be the same",
     "out_of_reach_m: how far a foot of the motion is beyond what its leg reaches; such a problem has no good start",
@@ -74,11 +76,13 @@ def _plans(gait_map: GaitMap, count: int, seed: int) -> Iterator[Plan]:
 
 
 def _rows(plan: Plan, body: WholeBody, predictor: Predictor) -> Iterator[dict[str, Any]]:
-    planned = plan.motion()
+    planned, own_swings = plan.motion(), plan.motion(swing_apex=None)
     trot = default_motion(plan.scenario, "trot", planned.task, DUTY)
     cases: list[tuple[str, Motion, Start]] = [
         ("plan", planned, "motion"),
         ("plan, cold", planned, "cold"),
+        ("plan's swings", own_swings, "motion"),
+        ("plan's swings, cold", own_swings, "cold"),
         ("trot", trot, "motion"),
         ("trot, cold", trot, "cold"),
     ]
@@ -87,7 +91,7 @@ def _rows(plan: Plan, body: WholeBody, predictor: Predictor) -> Iterator[dict[st
         yield {
             **plan.task,
             "start": name,
-            "gait": plan.gait if motion is planned else f"trot of duty {DUTY:g}",
+            "gait": f"trot of duty {DUTY:g}" if motion is trot else plan.gait,
             "out_of_reach_m": float(body.along(motion, shot.times).missed.max()),
             "crocoddyl": _answer(shot) | {"feet_error_m": shot.feet_error},
             "fatrop": _answer(prediction),
