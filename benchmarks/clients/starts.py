@@ -25,8 +25,8 @@ NOTES = (
     "crocoddyl: FDDP on the whole body over two cycles, steps of 0.02 s; from a motion it starts at its inverse "
     "kinematics and torques, cold in the first state all along with the torques that hold it still",
     "fatrop: a single rigid body over one cycle of 24 intervals; cold in the first state all along, the weight shared",
-    "plan's swings: the feet of the plan itself, which stay in the map's kinematic box, straight from knot to knot; plan: "
-    "the smooth swings of Plan.motion; fatrop, to which swings do not matter, has the same problem twice",
+    "plan's swings: the feet of the plan itself, which stay in the map's kinematic box, straight from knot to knot; "
+    "plan: the smooth swings of Plan.motion; fatrop, to which swings do not matter, has the same problem twice",
     "plan and trot are two problems, each with its own contacts, of the same weights of the command and of torques or "
     "forces; cold is the same problem as the line before it, so its cost should be the same",
     "out_of_reach_m: how far a foot of the motion is beyond what its leg reaches; such a problem has no good start",
