@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 import numpy as np
@@ -121,3 +122,10 @@ def test_what_cannot_be_is_refused_in_one_line(predictor: Predictor, trot: Motio
         with pytest.raises(ValueError, match=said) as error:
             asked()
         assert "\n" not in str(error.value)
+
+
+def test_without_casadi_one_line_says_what_to_install(trot: Motion, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "casadi", None)
+    with pytest.raises(ImportError, match=r'pip install "gaitflow\[clients\]"') as error:
+        Predictor(trot.scenario)
+    assert "\n" not in str(error.value)

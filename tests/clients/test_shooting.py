@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any
 
 import numpy as np
@@ -88,3 +89,12 @@ def test_contacts_are_those_in_the_middle_of_each_interval(body: WholeBody, plan
 def test_numbers_that_cannot_be_are_refused(body: WholeBody, trot: Motion, wrong: dict[str, Any], said: str) -> None:
     with pytest.raises(ValueError, match=said):
         shoot(body, trot, **wrong)
+
+
+def test_without_crocoddyl_one_line_says_what_to_install(
+    body: WholeBody, trot: Motion, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "crocoddyl", None)
+    with pytest.raises(ImportError, match=r'pip install "gaitflow\[clients\]"') as error:
+        shoot(body, trot)
+    assert "\n" not in str(error.value)
