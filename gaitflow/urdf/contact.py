@@ -18,17 +18,22 @@ def contact_point(description: Description, link: str, rotation: Array) -> Array
     `rotation` [3, 3] turns its vectors to the base frame's directions. Raises ConfigError for a sphere whose radius or
     place is no number.
     """
+    spheres = collision_spheres(description, link)
+    down = rotation.T @ np.array([0.0, 0.0, -1.0])
+    lowest: list[Array] = [centre + radius * down for centre, radius in spheres]
+    return max(lowest, key=lambda point: float(point @ down), default=None)
+
+
+def collision_spheres(description: Description, link: str) -> list[tuple[Array, float]]:
+    """Centres [3] m, in a link's frame, and radii [m] of its collision spheres. Raises ConfigError as above."""
     root = ElementTree.fromstring(description.text)
-    spheres = [
+    return [
         _sphere(description, link, collision)
         for element in root.findall("link")
         if element.get("name") == link
         for collision in element.findall("collision")
         if collision.find("geometry/sphere") is not None
     ]
-    down = rotation.T @ np.array([0.0, 0.0, -1.0])
-    lowest: list[Array] = [centre + radius * down for centre, radius in spheres]
-    return max(lowest, key=lambda point: float(point @ down), default=None)
 
 
 def _sphere(description: Description, link: str, collision: ElementTree.Element) -> tuple[Array, float]:

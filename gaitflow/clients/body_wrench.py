@@ -1,0 +1,83 @@
+"""The force and moment that the ground should exert on a robot so that it follows its plan's body.
+
+What is steered are the centre of mass and the angular momentum of all links together, which the ground's forces alone
+change, and not the base: a leg that swings throws the base about, and feet that stand for it would slip or tip over.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from gaitflow.clients.dynamics import Equations
+from gaitflow.clients.reference import Reference
+from gaitflow.clients.robot_model import RobotModel
+from gaitflow.core.trajectory import Array
+
+
+@dataclass(frozen=True)
+class BodyGains:
+    """Of the centre of mass' position [1/s^2] and velocity [1/s], the orientation [1/s^2] and the spin [1/s].
+
+    farthest [m]: positions farther off than that are walked off, not pulled off.
+    """
+
+    position: float = 50.0
+    velocity: float = 12.0
+    orientation: float = 300.0
+    spin: float = 35.0
+    farthest: float = 0.05
+
+
+def body_wrench(
+    robot: RobotModel, reference: Reference, equations: Equations, orientation: Array, gains: BodyGains
+) -> Array:
+    """Force [N] and moment [N m] about the centre of mass [6], in the world, for a base at `orientation` (w, x, y, z).
+
+    The reference is the base link's; its centre of mass is where it is in the standing pose, as in the plan.
+    """
+    state = reference.state
+    planned, now = rotation_of(state.orientation), rotation_of(orientation)
+    arm, spin, gained = (
+        planned @ vector for vector in (robot.centre, state.angular_velocity, reference.angular_acceleration)
+    )
+    centre = state.position + arm
+    velocity = state.velocity + np.cross(spin, arm)
+    acceleration = state.acceleration + np.cross(gained, arm) + np.cross(spin, np.cross(spin, arm))
+    off = np.clip(centre - equations.centre, -gains.farthest, gains.farthest)
+    slower = velocity - equations.momentum / robot.mass
+    force = robot.mass * (acceleration - robot.gravity + gains.position * off + gains.velocity * slower)
+    inertia = now @ robot.inertia @ now.T
+    turned = now @ rotation_between(orientation, state.orientation)
+    moment = inertia @ (gained + gains.orientation * turned) + gains.spin * (inertia @ spin - equations.spin)
+    return np.concatenate([force, moment])
+
+
+def rotation_of(orientation: Array) -> Array:
+    """The matrix [3, 3] of a unit quaternion (w, x, y, z)."""
+    w, x, y, z = orientation
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def rotation_between(first: Array, last: Array) -> Array:
+    """The rotation vector [3] rad, in the first frame, from one orientation (w, x, y, z) to another one."""
+    w1, v1, w2, v2 = first[0], first[1:], last[0], last[1:]
+    real = w1 * w2 + v1 @ v2
+    imaginary = w1 * v2 - w2 * v1 - np.cross(v1, v2)
+    sign = 1.0 if real >= 0 else -1.0
+    length = float(np.linalg.norm(imaginary))
+    angle = 2.0 * np.arctan2(length, sign * real)
+    return np.asarray(sign * imaginary * (angle / length if length > 1e-12 else 2.0))
+
+
+def heading(orientation: Array) -> float:
+    """Where the x axis of a unit quaternion (w, x, y, z) faces over the ground [rad]."""
+    w, x, y, z = orientation
+    return float(np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)))

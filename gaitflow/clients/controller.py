@@ -1,0 +1,85 @@
+"""A whole-body controller: torques with which a robot follows a motion, 500 times a second.
+
+It knows the robot's state and which feet touch. Contact forces are those that steer the body, feet in the air follow
+the motion's swings, and footholds are moved as the body is off its path and its speed, so that a push is caught by a
+step (Raibert's rule at the gain of the capture point).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from gaitflow.clients.body_wrench import BodyGains, body_wrench, heading
+from gaitflow.clients.contact_forces import contact_forces
+from gaitflow.clients.dynamics import Dynamics
+from gaitflow.clients.reference import Ahead, Followed, Reference
+from gaitflow.clients.robot_model import RobotModel
+from gaitflow.clients.simulation import Measured
+from gaitflow.clients.swing_feet import SwingFeet
+from gaitflow.core.layout import GRAVITY
+from gaitflow.core.trajectory import Array
+from gaitflow.motion import State
+
+CONTROL_STEP = 2e-3  # s
+
+
+@dataclass(frozen=True)
+class Gains:
+    """Of the body; of feet in the air, their position [1/s^2] and velocity [1/s]; of standing ones' slip [1/s].
+
+    farthest_step: how far a foothold may be moved, a metre of the base's height.
+    """
+
+    body: BodyGains = field(default_factory=BodyGains)
+    foot: float = 900.0
+    foot_velocity: float = 60.0
+    slip: float = 30.0
+    farthest_step: float = 0.3
+
+
+class Controller:
+    """The controller of one robot, following one motion after the other; `follow` may be called at any time."""
+
+    def __init__(self, robot: RobotModel, motion: Followed, time: float = 0.0, gains: Gains | None = None) -> None:
+        self._robot, self._gains = robot, gains or Gains()
+        self._dynamics = Dynamics(robot)
+        self._ahead = Ahead(motion, CONTROL_STEP)
+        self._feet = SwingFeet(np.stack([leg.standing for leg in robot.legs]), motion, time)
+
+    def follow(self, motion: Followed) -> None:
+        """Follow another motion from now on, which should be where the one before is."""
+        self._ahead = Ahead(motion, CONTROL_STEP)
+
+    def reference(self, time: float) -> Reference:
+        """What is followed at a time [s]."""
+        return self._ahead.at(time)
+
+    def torque(self, measured: Measured) -> Array:
+        """Torques [joints] N m for the next step."""
+        robot, gains = self._robot, self._gains
+        reference = self._ahead.at(measured.time)
+        state = reference.state
+        centres = self._dynamics.centres(measured.position)
+        feet = self._feet.targets(
+            measured.time, state, measured.touching, centres, self._step(state, measured), heading(state.orientation)
+        )
+        equations = self._dynamics.at(measured.position, measured.velocity, feet.standing)
+        wrench = body_wrench(robot, reference, equations, measured.position[3:7], gains.body)
+        accelerations = np.where(
+            feet.standing[:, None],
+            -gains.slip * (equations.jacobian @ measured.velocity),
+            feet.accelerations
+            + gains.foot * (feet.positions - equations.centres)
+            + gains.foot_velocity * (feet.velocities - equations.speeds),
+        )
+        return contact_forces(robot, equations, feet.standing, accelerations, wrench, state.forces).torque
+
+    def _step(self, state: State, measured: Measured) -> Array:
+        """How far footholds are moved [3] m."""
+        capture = np.sqrt(self._robot.height / GRAVITY)
+        ahead = measured.position[:3] - state.position + capture * (measured.velocity[:3] - state.velocity)
+        ahead[2] = 0.0
+        farthest = self._gains.farthest_step * self._robot.height
+        return np.asarray(ahead * min(1.0, farthest / max(float(np.linalg.norm(ahead)), 1e-9)))
