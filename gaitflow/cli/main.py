@@ -18,6 +18,7 @@ try:
     from gaitflow.cli.robot import robot
     from gaitflow.cli.show import show
     from gaitflow.cli.stages import atlas, label, publish, report, run, solve, train
+    from gaitflow.cli.walk import walk
     from gaitflow.pipeline.workspace import Workspace
 except ImportError as error:
     sys.exit(f'gaitflow: the command line needs more than the runtime ({error}): pip install "gaitflow[all]"')
@@ -25,7 +26,7 @@ except ImportError as error:
 COMMANDS = (
     run, solve, label, atlas, train, publish, report,  # a map's stages
     submit, cancel, doctor, compact,  # on a cluster
-    plan, labels, show, export,  # what a map is for
+    plan, labels, show, export, walk,  # what a map is for
     status, validate, verify, robot, bench,
 )  # fmt: skip
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import quadprog
 from numpy.typing import NDArray
 
 from gaitflow.clients.dynamics import Equations, inverse
@@ -106,8 +107,6 @@ def _pyramids(robot: RobotModel, count: int) -> tuple[Array, Array]:
 
 def _solved(hessian: Array, slope: Array, rows: Array, least: Array, hard: int) -> tuple[Array, bool]:
     """min 1/2 x H x - slope x, rows x >= least; the first `hard` rows alone where the others cannot be met."""
-    import quadprog
-
     finite = np.isfinite(least)
     try:
         return quadprog.solve_qp(hessian, slope, rows[finite].T, least[finite])[0], True

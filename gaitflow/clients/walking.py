@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from gaitflow.clients.body_wrench import heading
 from gaitflow.clients.controller import CONTROL_STEP, Controller
@@ -46,10 +47,11 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Walk:
-    """A walk's record, and its frames, 30 a second from its start."""
+    """A walk's record, its frames, 30 a second from its start, and which feet touched after each ms [n, legs]."""
 
     record: WalkRecord
     frames: tuple[Frame, ...]
+    touching: NDArray[np.bool_]
 
 
 class Walker:
@@ -154,7 +156,8 @@ def walk(
             fell = walker.time
             break
     measured = [moment for moment in moments if moment.time > begin] or moments
-    return Walk(record_of(measured, PHYSICS_STEP, robot.mass, fell), tuple(frames))
+    touching = np.array([moment.forces[:, 2] > 0 for moment in moments])
+    return Walk(record_of(measured, PHYSICS_STEP, robot.mass, fell), tuple(frames), touching)
 
 
 def started(robot: RobotModel, motion: Followed) -> tuple[Array, Array]:

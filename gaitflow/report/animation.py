@@ -6,10 +6,7 @@ a dataset can run, whatever it says.
 
 from __future__ import annotations
 
-import base64
-import hashlib
 from collections.abc import Mapping
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -20,6 +17,7 @@ from gaitflow.core.check import FEASIBLE, violations
 from gaitflow.core.task_space import TaskSpace
 from gaitflow.core.trajectory import Array
 from gaitflow.report import axis_text
+from gaitflow.report.inline import packaged, policy
 from gaitflow.report.palette import lighter
 from gaitflow.report.scene import Scene, scene_of
 from gaitflow.report.snapshot import BODY_COLOUR, FORCE_COLOUR, GROUND_COLOUR, SWING_COLOUR
@@ -37,8 +35,8 @@ def animation_page(solution: Solution, scenario: Scenario, gait: str, colour: st
     scene = scene_of(solution, scenario)
     assert solution.trajectory is not None
     found = violations(scenario.as_data(), solution.trajectory, solution.task, solution.pattern)
-    script, style = _part("animation_view.js") + _part("animation.js"), _part("animation.css")
-    template = Environment(autoescape=True, undefined=StrictUndefined).from_string(_part("animation.html.jinja"))
+    script, style = packaged("animation_view.js") + packaged("animation.js"), packaged("animation.css")
+    template = Environment(autoescape=True, undefined=StrictUndefined).from_string(packaged("animation.html.jinja"))
     return template.render(
         title=f"{scenario.robot.name}: {gait}",
         robot=scenario.robot.name,
@@ -50,7 +48,7 @@ def animation_page(solution: Solution, scenario: Scenario, gait: str, colour: st
         data=animation_data(scene, solution, scenario, colour),
         script=script,
         style=style,
-        policy=f"default-src 'none'; script-src '{_digest(script)}'; style-src '{_digest(style)}'",
+        policy=policy(script, style),
     )
 
 
@@ -101,11 +99,3 @@ def _facts(solution: Solution, space: TaskSpace, worst: float) -> list[tuple[str
 
 def _rounded(values: Array) -> Any:
     return np.round(values, DIGITS).tolist()
-
-
-def _part(name: str) -> str:
-    return files("gaitflow.report").joinpath(name).read_text(encoding="utf-8")
-
-
-def _digest(text: str) -> str:
-    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii")
