@@ -69,8 +69,11 @@ def _names(requirements: list[Requirement]) -> set[str]:
 
 @cache
 def _owners() -> Mapping[str, list[str]]:
-    """Distributions by the module they install; slow to find out. pin's modules lie below a prefix of their own."""
-    return {**packages_distributions(), "pinocchio": ["pin"]}
+    """Distributions by the module they install; slow to find out.
+
+    pin's modules lie below a prefix of their own, mujoco's in a distribution that it brings along.
+    """
+    return {**packages_distributions(), "pinocchio": ["pin"], "mujoco": ["mujoco"]}
 
 
 def _third_party_imports(file: Path) -> set[str]:

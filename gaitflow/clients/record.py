@@ -86,7 +86,8 @@ def record_of(moments: Sequence[Moment], step: float, mass: float, fell: float |
     torque, forces = column("torque"), column("forces")
     work = step * float(np.maximum(torque * column("joint_velocity"), 0.0).sum())
     loads = np.linalg.norm(forces, axis=2)
-    touchdowns = _touchdowns(loads)
+    lasting = round(IMPACT / step)
+    touchdowns = _touchdowns(loads > 0, lasting)
     distance = float(np.linalg.norm(velocity)) * duration
     return WalkRecord(
         walked=fell is None and float(np.linalg.norm(velocity - commanded)) <= allowed,
@@ -103,7 +104,7 @@ def record_of(moments: Sequence[Moment], step: float, mass: float, fell: float |
         saturated=float(column("saturated").mean()),
         position_error=_rms(np.linalg.norm(column("position") - column("planned_position"), axis=1)),
         velocity_error=_rms(np.linalg.norm(column("velocity") - column("planned_velocity"), axis=1)),
-        impact=max((float(loads[i : i + round(IMPACT / step), leg].max()) for i, leg in touchdowns), default=0.0),
+        impact=max((float(loads[i : i + lasting, leg].max()) for i, leg in touchdowns), default=0.0),
         stances=len(touchdowns),
     )
 
@@ -114,10 +115,13 @@ def _ahead(velocity: Array, heading: Array) -> Array:
     return np.array([(cos * vx + sin * vy).mean(), (cos * vy - sin * vx).mean()])
 
 
-def _touchdowns(loads: Array) -> list[tuple[int, int]]:
-    """Moment and leg of each touchdown: the first load after at least IMPACT s... of none."""
-    touching: NDArray[np.bool_] = loads > 0
-    return [(int(i) + 1, int(leg)) for i, leg in np.argwhere(touching[1:] & ~touching[:-1])]
+def _touchdowns(touching: NDArray[np.bool_], least: int) -> list[tuple[int, int]]:
+    """Moment and leg of each touchdown: a foot touches that has been in the air for `least` moments; it may bounce."""
+    found = []
+    for leg, column in enumerate(touching.T):
+        moments = np.flatnonzero(column)
+        found += [(int(i), leg) for i in moments[1:][np.diff(moments) > least]]
+    return found
 
 
 def _rms(values: Array) -> float:
