@@ -22,6 +22,9 @@ from gaitflow.problem.orientation import world_to_base
 Pushed = tuple[ca.SX, ca.SX]
 
 SMOOTH_POWER = 0.2  # W/kg: a fiftieth of what lifting the robot at 1 m/s takes
+# What follows a plan swings feet along minimum-jerk curves. They peak at 1.875 times their mean speed; the swing of
+# least acceleration, to which this cost draws the plan's own, at 1.5 times.
+SHARPER = 1.25
 
 
 class JointCost:
@@ -56,7 +59,8 @@ class JointCost:
         """
         rates, torques = self._standing[leg]
         middle = (start[0] + end[0]) / 2, (start[1] + end[1]) / 2
-        watts = [self._per_second(torques @ push, rates @ velocity) for velocity, push in (start, middle, end)]
+        pushed = [(velocity, SHARPER * torques @ push) for velocity, push in (start, middle, end)]
+        watts = [self._per_second(torque, rates @ velocity) for velocity, torque in pushed]
         return (watts[0] + 4 * watts[1] + watts[2]) / 6
 
     def _per_second(self, torques: ca.SX, rates: ca.SX) -> ca.SX:
