@@ -100,6 +100,15 @@ def test_the_example_of_switching_runs(pages: dict[str, str], checkout: Path) ->
     assert done.returncode == 0, done.stderr
 
 
+def test_the_example_of_walking_runs(pages: dict[str, str], checkout: Path) -> None:
+    (example,) = (code for _, code in BLOCK.findall(pages["docs/clients.md"]) if "import Walker, walk" in code)
+    code = example + "assert record.walked and not walker.fallen\n"
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=checkout, capture_output=True, text=True, timeout=100, check=False
+    )
+    assert done.returncode == 0, done.stderr
+
+
 def test_nothing_is_left_open(pages: dict[str, str]) -> None:
     lines = [f"{name}:{number}" for name, page in pages.items() for number, line in open_places(page)]
     assert not lines, "numbers and pictures that are still to come are written <<...>>"

@@ -1,7 +1,7 @@
 """The force and moment that the ground should exert on a robot so that it follows its plan's body.
 
 What is steered are the centre of mass and the angular momentum of all links together, which the ground's forces alone
-change, and not the base: a leg that swings throws the base about, and feet that stand for it would slip or tip over.
+change, as in the plan, and not the base, which a swinging leg throws about.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ from gaitflow.clients.robot_model import BASE, RobotModel
 from gaitflow.core.layout import GRAVITY
 from gaitflow.core.trajectory import Array
 
-MOMENT = 3.0  # weight of a moment over the robot's height, against that of a force
+MOMENT = 4.0  # weight of a moment over the robot's height, against that of a force
 LIKENESS = 0.01  # weight of forces that differ from the planned ones
 LEAST = 0.05  # of the weight: the normal force that keeps a standing foot on the ground
 SIDES = np.array([[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])

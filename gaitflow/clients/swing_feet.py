@@ -15,7 +15,6 @@ from gaitflow.motion.swing import minimum_jerk
 Contacts = NDArray[np.bool_]
 
 EARLY = 0.5  # share of its swing from which on a foot that touches stands
-CORRECTED = 0.85  # share of its swing after which a foothold is no longer moved
 DESCENT = 0.3  # m/s, of a foot that should stand and does not touch
 LOST = 0.02  # s without touch after which a foot that stood is put down again
 
@@ -65,10 +64,9 @@ class SwingFeet:
         early = ~state.contact & touching & (part > EARLY)
         stays = self._standing & (time - self._touched < LOST)
         self._standing = np.where(state.contact, touching | stays, early | (stays & (part > EARLY)))
-        moving = ~state.contact & (part < CORRECTED)
-        self._shift[moving] = shift
-        eased, pace, gain = minimum_jerk(np.minimum(part / CORRECTED, 1.0))
-        rate = np.where(part < CORRECTED, 1.0 / (CORRECTED * np.where(np.isfinite(swing), swing, 1.0)), 0.0)
+        self._shift[~state.contact] = shift
+        eased, pace, gain = minimum_jerk(part)
+        rate = np.where(part < 1.0, 1.0 / np.where(np.isfinite(swing), swing, 1.0), 0.0)
         off = self._shift - self._leaving
         late = state.contact & ~self._standing
         positions = planned + self._leaving + eased[:, None] * off

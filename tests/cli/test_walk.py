@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -41,7 +43,7 @@ def test_json_is_one_document_and_the_strip_a_png(run, anymal: str, tmp_path: Pa
 
 
 def test_robot_that_falls_is_exit_code_1(run, anymal: str) -> None:
-    result = run(anymal, "--speed", "1.4", "--cycle", "0.7", "--cycles", "10")
+    result = run(anymal, "--speed", "1.6", "--cycle", "1.0")
     assert result.exit_code == 1
     assert "fell at" in result.output
 
@@ -58,3 +60,12 @@ def test_bad_input_is_one_line_and_exit_code_2(run, anymal: str, checkout: Path,
         result = run(*arguments)
         assert result.exit_code == 2, result.output
         assert len(result.output.strip().splitlines()) == 1
+
+
+def test_missing_simulator_is_one_line_that_says_what_to_install(anymal: str) -> None:
+    code = "import sys; sys.modules['mujoco'] = None; from gaitflow.cli import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", code, "walk", anymal, "--speed", "0.6"], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2
+    assert 'pip install "gaitflow[clients]"' in done.stderr and len(done.stderr.strip().splitlines()) == 1

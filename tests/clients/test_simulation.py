@@ -6,7 +6,7 @@ from walking_robots import model, planned
 
 from gaitflow.clients.simulation import AS_PLANNED, Conditions, Push, Simulation
 from gaitflow.clients.walking import Walker, started
-from gaitflow.motion import standing
+from gaitflow.motion import Motion, standing
 
 
 def test_standing_robot_stays_and_its_feet_carry_the_weight() -> None:
@@ -19,6 +19,19 @@ def test_standing_robot_stays_and_its_feet_carry_the_weight() -> None:
     assert measured.touching.all()
     assert np.abs(measured.position[:3] - motion.at(1.0).position).max() < 2e-3
     assert np.abs(measured.velocity).max() < 0.01
+
+
+def test_robot_stands_on_a_slope() -> None:
+    level = planned("anymal", 0.6, 0.6)
+    task = level.task.replaced(slope=10.0)
+    motion = standing(Motion.of(level.scenario, level.trajectory, task, level.pattern, point="base"))
+    walker = Walker(model(motion), motion)
+    while walker.time < 0.5:
+        walker.advance()
+    weight = walker.robot.mass * 9.81
+    uphill, normal = weight * np.sin(np.deg2rad(10.0)), weight * np.cos(np.deg2rad(10.0))
+    assert walker.simulation.forces.sum(axis=0) == pytest.approx([uphill, 0.0, normal], abs=3.0)
+    assert np.abs(walker.simulation.measured.position[:3] - motion.at(0.5).position).max() < 5e-3
 
 
 def test_torques_act_late_and_within_their_limits() -> None:
