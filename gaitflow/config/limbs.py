@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 from gaitflow.config.file import Config
 
 Length = Annotated[float, Field(gt=0, lt=3)]  # m
+Mass = Annotated[float, Field(gt=0)]  # kg
 Moment = Annotated[float, Field(gt=0)]  # kg m^2
 
 
@@ -26,6 +27,7 @@ class Limb(Config):
     thigh: Length
     shank: Length  # from the knee to the foot
     knee: Literal["forward", "backward"]  # of the line from hip to foot
+    mass: Mass  # of all that swings with the leg
     abduction_inertia: Moment  # of the leg about its abduction axis, standing
     flexion_inertia: tuple[tuple[float, float], tuple[float, float]]  # of thigh and shank about hip flexion and knee
 

@@ -206,6 +206,8 @@ class Scenario(Config):
             )
         if self.transcription.integrator == "euler":
             raise ValueError("objective.joint_work and joint_heat: need another transcription.integrator than euler")
+        if self.stances_per_leg is None:
+            raise ValueError("objective.joint_work and joint_heat: need stances_per_leg = 1, one swing a leg")
         if self.tasks.varies("acceleration"):
             raise ValueError("tasks.axes.acceleration: its energy is not modelled; leave the axis or the energy out")
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from gaitflow.core.joints import Joints, knot_motion
+from gaitflow.core.joints import Joints
 from gaitflow.core.rigid_body import Attitude, RigidBody, moment
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array, Trajectory
@@ -23,10 +23,11 @@ FINER = 10  # substeps of a step where the motion between knots is looked at
 GAUSS_POINTS = 5  # of a step where the cost is integrated
 
 
-def cost(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task) -> float:
+def cost(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task, pattern: str | None = None) -> float:
     """The objective, eq. (8)-(10), in the scenario's units, in the frame that follows the task's twist.
 
     Integrated along the motion between the knots; with the integrator `euler` it is the paper's sum over the knots.
+    Energy asks for the pattern, "0110/1100", too, which says how long legs swing. Raises ValueError without it.
     """
     motion = Motion.of(scenario, trajectory, task)
     if scenario["transcription"]["integrator"] == "euler":
@@ -36,10 +37,14 @@ def cost(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task) -> flo
         fractions, weights = (nodes + 1) / 2, weights / 2
     seen = motion.at(fractions)
     integrands = _integrand(scenario["objective"], motion.body, seen, task)
-    joints = Joints.of(scenario)
+    joints, swings = Joints.of(scenario), 0.0
     if joints is not None:
-        integrands += _watts(joints, motion, seen, fractions, task)
-    return float(weights @ integrands @ motion.h)
+        if pattern is None:
+            raise ValueError("the cost of an objective of energy needs the pattern as well")
+        integrands += _watts(joints, motion.body, seen)
+        swinging = np.array([[digit == "0" for digit in row] for row in pattern.split("/")])
+        swings = joints.swings(task, swinging @ trajectory.durations, float(scenario.get("swing_clearance", 0.0)))
+    return float(weights @ integrands @ motion.h) + swings
 
 
 def between_knots(
@@ -249,24 +254,14 @@ def _integrand(objective: Mapping[str, Any], body: RigidBody, seen: Moments, tas
     return weighted
 
 
-def _watts(joints: Joints, motion: Motion, seen: Moments, fractions: Array, task: Task) -> Array:
-    """The joints' part of the integrand [n, K]."""
-    position, angles, velocity, omega = motion.body.split(seen.base)
+def _watts(joints: Joints, body: RigidBody, seen: Moments) -> Array:
+    """What standing legs' joints take, the integrand's part [n, K]."""
+    position, angles, velocity, omega = body.split(seen.base)
     attitude = Attitude(angles)
     places = attitude.into_base(seen.feet - position[..., None, :])
     passing = -attitude.into_base(np.broadcast_to(velocity[..., None, :], places.shape))
     passing -= np.cross(omega[..., None, :], places)
-    watts = joints.standing(places, passing, attitude.into_base(seen.forces))
-
-    starts = np.cumsum(motion.h) - motion.h
-    middles = seen_from_frame(motion.trajectory.foot_velocities, starts + motion.h / 2, task)
-    moving, pushed = knot_motion(middles, motion.h)
-    times = np.append(starts, starts[-1] + motion.h[-1])
-    moving[..., 0] -= (task["speed"] + task["acceleration"] * (times - task.cycle_duration / 2))[:, None]
-    moving[..., 1] -= task["lateral_speed"]
-    s = fractions[:, None, None, None]
-    along = (each[:-1] + s * (each[1:] - each[:-1]) for each in (moving, pushed))
-    return np.asarray(watts + joints.swinging(*along))
+    return joints.standing(places, passing, attitude.into_base(seen.forces))
 
 
 def _origins(task: Task, times: Array) -> Array:

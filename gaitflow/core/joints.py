@@ -12,10 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from gaitflow.core.rigid_body import G
+from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 
-SMOOTH_POWER = 0.2  # W/kg, of the objective
-SHARPER = 1.25  # what the curves that are followed accelerate more than the plan's own swings, of the objective
+SMOOTH_POWER = 0.1  # W/kg, of the objective
+SWING_SAMPLES = 400
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,6 +30,7 @@ class Limb:
     thigh: float
     shank: float
     bend: float  # 1: the knee is before the line from hip to foot
+    mass: float  # kg
     inertia: Array
 
     @classmethod
@@ -42,6 +45,7 @@ class Limb:
             thigh=float(data["thigh"]),
             shank=float(data["shank"]),
             bend=1.0 if data["knee"] == "forward" else -1.0,
+            mass=float(data["mass"]),
             inertia=inertia,
         )
 
@@ -100,32 +104,26 @@ class Joints:
             total += self._watts(torques, rates)
         return total
 
-    def swinging(self, velocities: Array, accelerations: Array) -> Array:
-        """Weighted watts [...] of feet's velocities against the body and accelerations [..., legs, 3], in the frame
-        that follows the command."""
-        total = np.zeros(velocities.shape[:-2])
-        for leg, limb in enumerate(self.limbs):
+    def swings(self, task: Task, durations: Array, apex: float) -> float:
+        """Weighted joules of a swing of each leg, of durations [legs] s, along the curve that is followed."""
+        x = (np.arange(SWING_SAMPLES) + 0.5) / SWING_SAMPLES
+        body = np.array([task["speed"], task["lateral_speed"], 0.0])
+        along = np.polynomial.Polynomial([0, 0, 0, 10, -15, 6])
+        up, rises = 2 * x % 1, np.where(x < 0.5, 1.0, -1.0) * [[0.0], [0.0], [apex]]
+        total = 0.0
+        for leg, (limb, duration) in enumerate(zip(self.limbs, durations, strict=True)):
+            way = body[:, None] * task.cycle_duration
+            velocity = (way * along.deriv()(x) + 2 * rises * along.deriv()(up)) / duration - body[:, None]
+            acceleration = (way * along.deriv(2)(x) + 4 * rises * along.deriv(2)(up)) / duration**2
             inverse = np.linalg.inv(limb.jacobian(self.default_feet[leg]))
-            torques = SHARPER * accelerations[..., leg, :] @ (limb.inertia @ inverse).T
-            total += self._watts(torques, velocities[..., leg, :] @ inverse.T)
+            watts = self._watts((limb.inertia @ inverse @ acceleration).T, (inverse @ velocity).T)
+            total += float(watts.mean()) * duration + self.work * limb.mass * G * apex / 2
         return total
 
     def _watts(self, torques: Array, rates: Array) -> Array:
         power = torques * rates
         positive = (power + np.hypot(power, self.smallest) - self.smallest) / 2
         return np.asarray(self.heat * (torques**2).sum(axis=-1) + self.work * positive.sum(axis=-1))
-
-
-def knot_motion(velocities: Array, h: Array) -> tuple[Array, Array]:
-    """Velocities and accelerations of feet at K + 1 knots [K+1, legs, d]; velocities [K, legs, d] of steps h [K] s.
-
-    On the line from the middle of one step to that of the next; the first knot is the last one.
-    """
-    then, last = np.roll(velocities, 1, axis=0), np.roll(h, 1)[:, None, None]
-    step = h[:, None, None]
-    moving = (then * step + velocities * last) / (last + step)
-    pushed = 2 * (velocities - then) / (last + step)
-    return np.concatenate([moving, moving[:1]]), np.concatenate([pushed, pushed[:1]])
 
 
 def _stack(*components: Array) -> Array:

@@ -1,8 +1,8 @@
 """Where each state, control and duration sits in the decision vector w, and its scale.
 
-w = (x_0, u_0, x_1, u_1, ..., x_K, end forces, fractions): states x_k at the K+1 knots, controls u_k of the step from
-knot k to k+1, the forces at the end of each phase where forces are linear, and the phase durations as fractions of the
-cycle. The paper's settings give 41*10 + 40*8 + 4 = 734 in the plane and 41*24 + 40*24 + 4 = 1948 in space.
+w = (x_0, u_0, x_1, u_1, ..., x_K, end forces, fractions, contacts): states x_k at the K+1 knots, controls u_k of the
+step from knot k to k+1, the forces at the end of each phase where forces are linear, the phase durations as fractions
+of the cycle, and, where the objective is energy, which leg stands in which phase, which a pattern fixes. The paper's settings give 41*10 + 40*8 + 4 = 734 in the plane and 41*24 + 40*24 + 4 = 1948 in space.
 """
 
 from __future__ import annotations
@@ -36,6 +36,7 @@ class Layout:
     weight: float
     linear_forces: bool = False
     grading: float = 0.0
+    energy: bool = False
 
     @classmethod
     def of(cls, scenario: Mapping[str, Any]) -> Layout:
@@ -49,6 +50,7 @@ class Layout:
             weight=float(robot["mass"]) * GRAVITY,
             linear_forces=transcription.get("forces", "held") == "linear",
             grading=float(transcription.get("grading", 0.0)),
+            energy=bool(scenario["objective"].get("joint_heat") or scenario["objective"].get("joint_work")),
         )
 
     @property
@@ -79,8 +81,7 @@ class Layout:
     @property
     def nw(self) -> int:
         """Number of continuous decision variables."""
-        ends = self.phases * self.legs * self.dimension if self.linear_forces else 0
-        return self._end_forces + ends + self.phases
+        return self.fractions.stop + (self.legs * self.phases if self.energy else 0)
 
     @property
     def _end_forces(self) -> int:
@@ -111,7 +112,14 @@ class Layout:
     @property
     def fractions(self) -> slice:
         """Slice of w that holds the phase durations over T."""
-        return slice(self.nw - self.phases, self.nw)
+        ends = self.phases * self.legs * self.dimension if self.linear_forces else 0
+        start = self._end_forces + ends
+        return slice(start, start + self.phases)
+
+    def contacts(self, leg: int) -> slice:
+        """Slice of w that holds in which phases a leg stands, 1, or swings, 0; where the objective is energy."""
+        start = self.fractions.stop + leg * self.phases
+        return slice(start, start + self.phases)
 
     def foot(self, knot: int, leg: int) -> slice:
         """Slice of w that holds the position of a foot."""
@@ -144,7 +152,7 @@ class Layout:
         for step in range(self.steps):
             start = self.control(step).start
             units[start : start + half] = self.weight
-        units[self._end_forces : self.nw - self.phases] = self.weight
+        units[self._end_forces : self.fractions.start] = self.weight
         return units
 
     def scale(self, cycle_duration: float) -> Array:
@@ -167,7 +175,7 @@ class Layout:
         forces, velocities = np.split(body[:, self.nx :].reshape(steps, 2 * self.legs, d), 2, axis=1)
         ends = forces
         if self.linear_forces:
-            last = si[self._end_forces : self.nw - self.phases].reshape(self.phases, self.legs, d)
+            last = si[self._end_forces : self.fractions.start].reshape(self.phases, self.legs, d)
             ends = np.roll(forces, -1, axis=0)
             ends[self.knots_per_phase - 1 :: self.knots_per_phase] = last
         durations = si[self.fractions]
@@ -182,11 +190,12 @@ class Layout:
         )
 
     def pack(self, trajectory: Trajectory, cycle_duration: float) -> Array:
-        """The scaled decision vector w [nw] of a trajectory; the inverse of `unpack`."""
+        """The scaled decision vector w [nw] of a trajectory; the inverse of `unpack`. Contacts, which it lacks, are 0."""
         knots, steps = self.steps + 1, self.steps
         states = np.hstack([trajectory.base, trajectory.feet.reshape(knots, -1)])
         controls = np.hstack([trajectory.forces.reshape(steps, -1), trajectory.foot_velocities.reshape(steps, -1)])
         parts = [np.hstack([states[:-1], controls]).ravel(), states[-1]]
         if self.linear_forces:
             parts.append(trajectory.end_forces[self.knots_per_phase - 1 :: self.knots_per_phase].ravel())
-        return np.concatenate([*parts, trajectory.durations]) / self.scale(cycle_duration)
+        unknown = np.zeros(self.nw - self.fractions.stop)
+        return np.concatenate([*parts, trajectory.durations, unknown]) / self.scale(cycle_duration)

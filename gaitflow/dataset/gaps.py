@@ -44,7 +44,7 @@ def motion_checks(scenario: Mapping[str, Any], solution: Solution) -> dict[str, 
     if motion is None:
         return dict.fromkeys(COLUMNS, np.nan)
     found = between_knots(scenario, motion, solution.task, solution.pattern)
-    integrated = cost(scenario, motion, solution.task)
+    integrated = cost(scenario, motion, solution.task, solution.pattern)
     least = np.finfo(float).tiny
     return {column: found[kind] for kind, column in KINDS.items()} | {
         COST_CHECK: (solution.cost - integrated) / max(abs(integrated), least)

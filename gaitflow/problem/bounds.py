@@ -47,6 +47,7 @@ def physical_bounds(scenario: Scenario, layout: Layout) -> Bounds:
             lower[limited], upper[limited] = -robot.max_foot_speed, robot.max_foot_speed
     shortest, longest = timing.fraction_bounds(layout.phases, scenario.transcription.min_phase_fraction)
     lower[layout.fractions], upper[layout.fractions] = shortest, longest
+    lower[layout.fractions.stop :], upper[layout.fractions.stop :] = 0.0, 1.0
     # Where the cycle starts along a straight path changes nothing; sideways, the lateral term says where the path is.
     # On the circle of a turn velocity and yaw are measured against the commanded frame, so the cost says both.
     fixed = 0 if turning else 1 if d == 2 or scenario.objective.lateral_foot else 2

@@ -34,6 +34,9 @@ def fix_contacts(layout: Layout, pattern: Pattern, lower: Array, upper: Array, c
         for knot in middles_of_swings(pattern.rows[leg], layout.knots_per_phase):
             height = layout.foot(knot, leg).stop - 1
             lower[height] = clearance
+    for leg in range(layout.legs if layout.energy else 0):
+        stands = [float(digit) for digit in pattern.rows[leg]]
+        lower[layout.contacts(leg)] = upper[layout.contacts(leg)] = stands
     for step in range(layout.steps):
         column = pattern.column(layout.phase_of(step))
         for leg in range(layout.legs):

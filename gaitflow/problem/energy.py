@@ -1,13 +1,11 @@
 """J4: what moving takes of the joints, their torques squared (heat) and their positive work.
 
 Legs stay massless in the dynamics. *Standing* legs carry the forces, in the pose that the foot's place asks for.
-*Swinging* legs carry their own mass: a foot's acceleration asks for torques, so a short swing is a dear one. Theirs are
-the torques and rates of the standing pose, which keeps swings a matter of the foot's velocities alone.
+*Swinging* legs carry their own mass along the curve that is followed, not the program's own feet, whose way no other
+term sees: so a swing costs what its duration says, and a short one is dear. Theirs are the standing pose's joints.
 """
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import casadi as ca
 import numpy as np
@@ -15,16 +13,15 @@ import numpy as np
 from gaitflow.config.limbs import Limb
 from gaitflow.config.robot import Robot
 from gaitflow.config.scenario import Objective
+from gaitflow.core.layout import GRAVITY
+from gaitflow.core.trajectory import Array
 from gaitflow.problem.dynamics import Node
 from gaitflow.problem.limb import LegPose
 from gaitflow.problem.orientation import world_to_base
+from gaitflow.problem.task import TaskParameters
 
-Pushed = tuple[ca.SX, ca.SX]
-
-SMOOTH_POWER = 0.2  # W/kg: a fiftieth of what lifting the robot at 1 m/s takes
-# What follows a plan swings feet along minimum-jerk curves. They peak at 1.875 times their mean speed; the swing of
-# least acceleration, to which this cost draws the plan's own, at 1.5 times.
-SHARPER = 1.25
+SMOOTH_POWER = 0.1  # W/kg: a hundredth of what lifting the robot at 1 m/s takes
+SWING_POINTS = 8  # of each half of a swing
 
 
 class JointCost:
@@ -51,17 +48,23 @@ class JointCost:
             total += self._per_second(-pose.torques(into_base @ force), rates)
         return total
 
-    def swinging(self, leg: int, start: Pushed, end: Pushed) -> ca.SX:
-        """Of a leg that swings, the mean over a step per second.
+    def swing(self, leg: int, task: TaskParameters, duration: ca.SX, apex: float) -> ca.SX:
+        """Of a leg's one swing of a duration [s]: the curve that is followed, see `gaitflow.motion.swing`.
 
-        start, end: the foot's velocity [3] m/s against the body and its acceleration [3] m/s^2 there, in the command's
-        frame; lines between. By Simpson's rule, which for heat is exact.
+        Over the ground a minimum-jerk line as long as a cycle's way, in height such a piece up to `apex` [m] and one
+        down, against a body that moves as commanded; and half the apex that the leg's mass is lifted.
         """
+        cycle = task["cycle_duration"]
+        passing = task.velocity(cycle / 2, 3)
         rates, torques = self._standing[leg]
-        middle = (start[0] + end[0]) / 2, (start[1] + end[1]) / 2
-        pushed = [(velocity, SHARPER * torques @ push) for velocity, push in (start, middle, end)]
-        watts = [self._per_second(torque, rates @ velocity) for velocity, torque in pushed]
-        return (watts[0] + 4 * watts[1] + watts[2]) / 6
+        cost = ca.SX(self._objective.joint_work * self._limbs[leg].mass * GRAVITY * apex / 2)
+        for x, weight in zip(*_gauss(SWING_POINTS), strict=True):
+            (pace, gain), (climb, push) = _minimum_jerk(x), _minimum_jerk(2 * x % 1)
+            sign = 1 if x < 0.5 else -1
+            velocity = (passing * cycle * pace + ca.vertcat(0, 0, 2 * sign * apex * climb)) / duration - passing
+            acceleration = (passing * cycle * gain + ca.vertcat(0, 0, 4 * sign * apex * push)) / duration**2
+            cost += weight * duration * self._per_second(torques @ acceleration, rates @ velocity)
+        return cost
 
     def _per_second(self, torques: ca.SX, rates: ca.SX) -> ca.SX:
         heat = self._objective.joint_heat * ca.sumsqr(torques)
@@ -75,17 +78,17 @@ def positive(power: ca.SX, smallest: float) -> ca.SX:
     return (power + ca.sqrt(power**2 + smallest**2) - smallest) / 2
 
 
-def knot_motion(velocities: Sequence[ca.SX], steps: Sequence[ca.SX]) -> list[Pushed]:
-    """Velocity [d] m/s and acceleration [d] m/s^2 of a foot at K + 1 knots, in a frame in which it is periodic.
+def _minimum_jerk(x: float) -> tuple[float, float]:
+    """First and second derivative at x of the smoothest way from 0 to 1."""
+    left = x * (1 - x)
+    return 30 * left * left, 60 * left * (1 - 2 * x)
 
-    They are those of the line from the middle of one step to that of the next. velocities [d] m/s and steps s are of
-    the K steps.
-    """
-    found = []
-    for k, (now, step) in enumerate(zip(velocities, steps, strict=True)):
-        then, last = velocities[k - 1], steps[k - 1]
-        found.append(((then * step + now * last) / (last + step), 2 * (now - then) / (last + step)))
-    return [*found, found[0]]
+
+def _gauss(points: int) -> tuple[Array, Array]:
+    """Places and weights of Gauss-Legendre quadrature over both halves of [0, 1]."""
+    nodes, weights = np.polynomial.legendre.leggauss(points)
+    half = (nodes + 1) / 4
+    return np.concatenate([half, half + 0.5]), np.concatenate([weights, weights]) / 4
 
 
 def _standing(limb: Limb, foot: ca.SX) -> tuple[ca.DM, ca.DM]:

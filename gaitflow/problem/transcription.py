@@ -20,7 +20,7 @@ from gaitflow.core.task import AXES
 from gaitflow.problem import contact, friction, kinematics, periodicity, timing
 from gaitflow.problem.bounds import Bounds, constant_rows, physical_bounds
 from gaitflow.problem.dynamics import Body, Node, body_of, node
-from gaitflow.problem.energy import JointCost, knot_motion
+from gaitflow.problem.energy import JointCost
 from gaitflow.problem.objectives import StepCost
 from gaitflow.problem.step import base_defects
 from gaitflow.problem.task import TaskParameters, task_parameters
@@ -189,7 +189,7 @@ def _terms(scenario: Scenario, layout: Layout, w: ca.SX, parameters: ca.SX) -> t
 def _energy(
     scenario: Scenario, layout: Layout, w: ca.SX, task: TaskParameters, nodes: _Nodes, times: list[ca.SX]
 ) -> ca.SX:
-    """The joints' part of the cost: standing legs by the trapezoidal rule, swinging ones by Simpson's."""
+    """The joints' part of the cost: standing legs by the trapezoidal rule, and a swing a leg."""
     joints = JointCost(scenario.robot, scenario.objective)
     steps = [end - start for start, end in pairwise(times)]
     cost = ca.SX(0)
@@ -199,12 +199,9 @@ def _energy(
             cost += steps[k - 1] / 2 * joints.standing(nodes.start(k))
         if (k + 1) % layout.knots_per_phase == 0:
             cost += h / 2 * joints.standing(nodes.end(k))
-    seen = [_foot_velocities(layout, w, task, times, k) for k in range(layout.steps)]
-    against = [task.velocity(time, layout.dimension) for time in times]
     for leg in range(layout.legs):
-        knots = knot_motion([at_step[leg] for at_step in seen], steps)
-        ends = [(velocity - body, push) for (velocity, push), body in zip(knots, against, strict=True)]
-        cost += sum((h * joints.swinging(leg, *each) for h, each in zip(steps, pairwise(ends), strict=True)), ca.SX(0))
+        swinging = ca.dot(w[layout.fractions], 1 - w[layout.contacts(leg)])
+        cost += joints.swing(leg, task, task["cycle_duration"] * swinging, scenario.swing_clearance)
     return cost
 
 

@@ -42,7 +42,7 @@ def _motion_faults(folder: Path) -> list[Finding]:
             told = f"{where}: violates a constraint by {violation:.1e}, more than {FEASIBLE:g}"
             faults.append(Finding(FILE_NAME, told))
             continue
-        integrated = cost(scenario, row.trajectory, row.task)
+        integrated = cost(scenario, row.trajectory, row.task, row.pattern)
         if abs(row.cost - integrated) > COST_DIFFERS * abs(integrated):
             told = f"{where}: the cost is {row.cost:.6g}, the motion's is {integrated:.6g}"
             faults.append(Finding(FILE_NAME, told))

@@ -56,6 +56,7 @@ def _limb(leg: LegChain, centre: Array, foot: Array) -> dict[str, Any] | None:
         "thigh": float(np.hypot(*thigh)),
         "shank": float(np.hypot(*shank)),
         "knee": "forward" if bent_forward else "backward",
+        "mass": leg.mechanism.carried(leg.joints),
         "abduction_inertia": float(inertia[0, 0]),
         "flexion_inertia": inertia[1:, 1:] * signs,
     }

@@ -110,6 +110,11 @@ class Mechanism:
         origins = np.array([self.data.oMi[number].translation for number in numbers])
         return origins, np.array([jacobian[3:, self.model.idx_vs[number]] for number in numbers])
 
+    def carried(self, joints: Sequence[int]) -> float:
+        """Mass [kg] of the links that these joints move directly."""
+        numbers = (self.model.getJointId(self.joint_names[joint]) for joint in joints)
+        return float(sum(self.model.inertias[number].mass for number in numbers))
+
     def joint_inertia(self, joints: Sequence[int], angles: Array) -> Array:
         """What these joints have to move, the base held: their part of the joint-space inertia [joints, joints]."""
         import pinocchio

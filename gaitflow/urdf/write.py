@@ -75,6 +75,7 @@ def _limbs(limbs: Iterable[Limb] | None) -> list[str]:
             f"    thigh: {_number(limb.thigh)}",
             f"    shank: {_number(limb.shank)}",
             f"    knee: {limb.knee}",
+            f"    mass: {_number(limb.mass)}  # kg",
             f"    abduction_inertia: {_number(limb.abduction_inertia)}  # of the leg, standing",
             f"    flexion_inertia: [{', '.join(map(_vector, limb.flexion_inertia))}]  # about hip flexion and knee",
         ]
