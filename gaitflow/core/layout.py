@@ -2,7 +2,8 @@
 
 w = (x_0, u_0, x_1, u_1, ..., x_K, end forces, fractions, contacts): states x_k at the K+1 knots, controls u_k of the
 step from knot k to k+1, the forces at the end of each phase where forces are linear, the phase durations as fractions
-of the cycle, and, where the objective is energy, which leg stands in which phase, which a pattern fixes. The paper's settings give 41*10 + 40*8 + 4 = 734 in the plane and 41*24 + 40*24 + 4 = 1948 in space.
+of the cycle, and, where the objective is energy, which leg stands in which phase, which a pattern fixes. The paper's
+settings give 41*10 + 40*8 + 4 = 734 in the plane and 41*24 + 40*24 + 4 = 1948 in space.
 """
 
 from __future__ import annotations
@@ -190,7 +191,7 @@ class Layout:
         )
 
     def pack(self, trajectory: Trajectory, cycle_duration: float) -> Array:
-        """The scaled decision vector w [nw] of a trajectory; the inverse of `unpack`. Contacts, which it lacks, are 0."""
+        """The scaled decision vector w [nw] of a trajectory, the inverse of `unpack`; contacts, which it lacks, are 0."""
         knots, steps = self.steps + 1, self.steps
         states = np.hstack([trajectory.base, trajectory.feet.reshape(knots, -1)])
         controls = np.hstack([trajectory.forces.reshape(steps, -1), trajectory.foot_velocities.reshape(steps, -1)])
