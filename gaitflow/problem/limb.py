@@ -12,15 +12,20 @@ import casadi as ca
 
 from gaitflow.config.limbs import Limb
 
+# Where a solver looks out of reach on its way, numbers stay finite: the leg is as long as it has to be.
+NEAREST = 1e-3  # m: of a foot to the abduction axis, below it
+STRAIGHTEST = 0.01  # how far a knee is from the line from hip to foot, over that line
+
 
 class LegPose:
-    """A leg whose foot is at a place [3] m of the base frame. Within the leg's reach; no joint angle is needed."""
+    """A leg whose foot is at a place [3] m of the base frame, within its reach; no joint angle is needed."""
 
     def __init__(self, limb: Limb, foot: ca.SX) -> None:
         self._limb = limb
         self._side, self._height = foot[1] - limb.hip[1], foot[2] - limb.hip[2]
         aside = limb.aside
-        self._depth = ca.sqrt(self._side**2 + self._height**2 - aside**2)  # of the foot below the abduction axis
+        depth = ca.fmax(self._side**2 + self._height**2 - aside**2, NEAREST**2)
+        self._depth = ca.sqrt(depth)  # of the foot below the abduction axis
         span = self._side**2 + self._height**2
         self._cos = (aside * self._side - self._depth * self._height) / span
         self._sin = (self._depth * self._side + aside * self._height) / span
@@ -65,7 +70,8 @@ class LegPose:
         limb = self._limb
         square = self._x**2 + self._z**2
         along = (square + limb.thigh**2 - limb.shank**2) / (2 * square)
-        bend = ca.sqrt(limb.thigh**2 / square - along**2) * (1 if limb.knee == "forward" else -1)
+        bend = ca.sqrt(ca.fmax(limb.thigh**2 / square - along**2, STRAIGHTEST**2))
+        bend *= 1 if limb.knee == "forward" else -1
         return along * self._x - bend * self._z, along * self._z + bend * self._x
 
     def _in_plane(self, vector: ca.SX) -> ca.SX:
