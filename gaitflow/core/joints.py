@@ -100,18 +100,19 @@ class Joints:
         for leg, limb in enumerate(self.limbs):
             jacobian = limb.jacobian(feet[..., leg, :])
             torques = -np.einsum("...ij,...i->...j", jacobian, forces[..., leg, :])
-            rates = np.linalg.solve(jacobian, velocities[..., leg, :, None])[..., 0]
+            rates = np.asarray(np.linalg.solve(jacobian, velocities[..., leg, :, None])[..., 0], dtype=np.float64)
             total += self._watts(torques, rates)
         return total
 
     def swings(self, task: Task, durations: Array, apex: float) -> float:
         """Weighted joules of a swing of each leg, of durations [legs] s, along the curve that is followed."""
         x = (np.arange(SWING_SAMPLES) + 0.5) / SWING_SAMPLES
-        body = np.array([task["speed"], task["lateral_speed"], 0.0])
+        command, turned = np.array([task["speed"], task["lateral_speed"], 0.0]), task["yaw_rate"] * np.array([-1, 1, 0])
         along = np.polynomial.Polynomial([0, 0, 0, 10, -15, 6])
         up, rises = 2 * x % 1, np.where(x < 0.5, 1.0, -1.0) * [[0.0], [0.0], [apex]]
         total = 0.0
         for leg, (limb, duration) in enumerate(zip(self.limbs, durations, strict=True)):
+            body = command + turned * self.default_feet[leg, [1, 0, 2]]
             way = body[:, None] * task.cycle_duration
             velocity = (way * along.deriv()(x) + 2 * rises * along.deriv()(up)) / duration - body[:, None]
             acceleration = (way * along.deriv(2)(x) + 4 * rises * along.deriv(2)(up)) / duration**2

@@ -29,6 +29,7 @@ class JointCost:
 
     def __init__(self, robot: Robot, objective: Objective) -> None:
         self._limbs = robot.limbs or ()
+        self._feet = [leg.default_foot for leg in robot.legs]
         self._objective = objective
         self._smallest = SMOOTH_POWER * robot.mass
         self._standing = [
@@ -52,10 +53,10 @@ class JointCost:
         """Of a leg's one swing of a duration [s]: the curve that is followed, see `gaitflow.motion.swing`.
 
         Over the ground a minimum-jerk line as long as a cycle's way, in height such a piece up to `apex` [m] and one
-        down, against a body that moves as commanded; and half the apex that the leg's mass is lifted.
+        down, against the leg's place in a body that moves as commanded; and half the apex that the leg's mass is lifted.
         """
-        cycle = task["cycle_duration"]
-        passing = task.velocity(cycle / 2, 3)
+        cycle, (x, y, _) = task["cycle_duration"], self._feet[leg]
+        passing = task.velocity(cycle / 2, 3) + task["yaw_rate"] * ca.DM([-y, x, 0.0])
         rates, torques = self._standing[leg]
         cost = ca.SX(self._objective.joint_work * self._limbs[leg].mass * GRAVITY * apex / 2)
         for x, weight in zip(*_gauss(SWING_POINTS), strict=True):
@@ -95,4 +96,5 @@ def _standing(limb: Limb, foot: ca.SX) -> tuple[ca.DM, ca.DM]:
     """Matrices [3, 3] from the foot's velocity to the joints' rates, and from its acceleration to their torques."""
     pose = LegPose(limb, foot)
     unit = [ca.SX(ca.DM(np.eye(3)[:, axis])) for axis in range(3)]
-    return tuple(ca.DM(ca.horzcat(*(each(axis) for axis in unit))) for each in (pose.rates, pose.inertial_torques))
+    rates, torques = (ca.horzcat(*map(each, unit)) for each in (pose.rates, pose.inertial_torques))
+    return ca.DM(rates), ca.DM(torques)

@@ -6,6 +6,7 @@ through big-M rows. Both are in scaled variables (see `layout`); a stored cost i
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -100,12 +101,12 @@ class GaitProblem:
         )
 
 
-def transcribe(scenario: Scenario) -> GaitProblem:
-    """Build the program of a scenario."""
+def transcribe(scenario: Scenario, closed: bool = True) -> GaitProblem:
+    """Build the program of a scenario; not closed, that of a motion between two states, which bounds may impose."""
     layout = Layout.of(scenario.as_data())
     scale = _cost_scale(scenario, layout)
     w, parameters = ca.SX.sym("w", layout.nw), ca.SX.sym("task", len(AXES))
-    cost, groups = _terms(scenario, layout, w, parameters)
+    cost, groups = _terms(scenario, layout, w, parameters, closed)
     nlp = ca.Function("nlp", [w, parameters], [cost / scale, ca.vertcat(*groups)], ["w", "task"], ["cost", "rows"])
     return GaitProblem(scenario, layout, nlp, scale)
 
@@ -151,7 +152,9 @@ class _Nodes:
         return self._built[key]
 
 
-def _terms(scenario: Scenario, layout: Layout, w: ca.SX, parameters: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
+def _terms(
+    scenario: Scenario, layout: Layout, w: ca.SX, parameters: ca.SX, closed: bool = True
+) -> tuple[ca.SX, list[ca.SX]]:
     """Cost and the row groups that both forms share."""
     robot, rule, objective = scenario.robot, scenario.transcription.integrator, scenario.objective
     task = task_parameters(scenario.tasks, parameters)
@@ -192,13 +195,11 @@ def _energy(
     """The joints' part of the cost: standing legs by the trapezoidal rule, and a swing a leg."""
     joints = JointCost(scenario.robot, scenario.objective)
     steps = [end - start for start, end in pairwise(times)]
-    cost = ca.SX(0)
+    shares: dict[Node, ca.SX] = defaultdict(lambda: ca.SX(0))  # steps that meet inside a phase have a node in common
     for k, h in enumerate(steps):
-        cost += h / 2 * joints.standing(nodes.start(k))
-        if k and layout.phase_of(k) == layout.phase_of(k - 1):
-            cost += steps[k - 1] / 2 * joints.standing(nodes.start(k))
-        if (k + 1) % layout.knots_per_phase == 0:
-            cost += h / 2 * joints.standing(nodes.end(k))
+        for end in (nodes.start(k), nodes.end(k)):
+            shares[end] += h / 2
+    cost = sum((share * joints.standing(end) for end, share in shares.items()), ca.SX(0))
     for leg in range(layout.legs):
         swinging = ca.dot(w[layout.fractions], 1 - w[layout.contacts(leg)])
         cost += joints.swing(leg, task, task["cycle_duration"] * swinging, scenario.swing_clearance)

@@ -46,9 +46,13 @@ class TransitionProblem:
         from gaitflow.config.scenario import Scenario
         from gaitflow.problem import transcribe
 
-        data = json.loads(json.dumps(scenario))
-        data["tasks"]["axes"]["acceleration"] = {"start": -1.0, "stop": 1.0, "count": 2}  # it varies, by any amount
-        self.gait_problem = transcribe(Scenario.from_data(data, str(scenario.get("name"))))
+        name = str(scenario.get("name"))
+        own = Scenario.from_data(json.loads(json.dumps(scenario)), name)
+        tasks = own.tasks.as_data()
+        tasks["axes"]["acceleration"] = {"start": -1.0, "stop": 1.0, "count": 2}  # it varies, by any amount
+        # The swings that are followed have a height of their own, and those under way no middle.
+        changed = {"tasks": own.tasks.from_data(tasks, name), "swing_clearance": 0.0}
+        self.gait_problem = transcribe(own.model_copy(update=changed), closed=False)
         self.scenario = self.gait_problem.scenario.as_data()
         self.derivatives = derivatives(self.gait_problem.nlp)
 
@@ -146,7 +150,7 @@ def _check_alone(scenario: Mapping[str, Any], motion: Motion) -> None:
 
 def _mechanics(robot: Mapping[str, Any]) -> dict[str, Any]:
     """A robot without what no motion depends on."""
-    return {key: value for key, value in robot.items() if key not in ("source", "frames", "mirror")}
+    return {key: value for key, value in robot.items() if key not in ("source", "frames", "mirror", "limbs")}
 
 
 def _between(gait: GaitSpace, layout: Layout, first: Array, last: Array) -> GaitSpace:

@@ -16,7 +16,7 @@ from gaitflow.core.gaits import Pattern
 from gaitflow.core.rigid_body import RigidBody
 from gaitflow.problem import transcribe
 from gaitflow.runtime import GaitMap, Journey, Motion, NoTransition, standing, switching
-from gaitflow.runtime.switching import TransitionPlanner, TransitionProblem
+from gaitflow.runtime.switching import TransitionPlanner, TransitionProblem, check_switchable
 from gaitflow.search import starts
 from gaitflow.solvers.fixed_gait import FixedGaitSolver, Start
 
@@ -124,6 +124,43 @@ def test_maps_of_eulers_rule_switch_as_well(checkout: Path) -> None:
         before, after = journey.at(border - 1e-9), journey.at(border + 1e-9)
         for name in SMOOTH[:-1]:
             np.testing.assert_allclose(getattr(before, name), getattr(after, name), atol=1e-6, err_msg=name)
+
+
+@pytest.fixture(scope="module")
+def saving(checkout: Path) -> tuple[Scenario, Motion, Motion]:
+    """ANYmal by least energy, 4 knots a phase: a trot and a slower walk."""
+    scenario = load_scenario(checkout / "configs/scenarios/anymal-energy.yaml")
+    coarse = scenario.transcription.model_copy(update={"knots_per_phase": 4})
+    scenario = scenario.model_copy(update={"transcription": coarse})
+    problem = transcribe(scenario)
+    solver, motions = FixedGaitSolver(problem, 20.0), []
+    for pattern, speed in (("0011/1100/1100/0011", 0.6), ("1110/1011/1011/1110", 0.4)):
+        task = scenario.tasks.space.task({"speed": speed, "cycle_duration": 0.6})
+        start = Start("nominal", starts.nominal(scenario.robot, problem.layout, task))
+        attempt = solver.solve(Pattern.from_text(pattern), task, start)
+        assert attempt.feasible, pattern
+        motions.append(Motion.of(scenario.as_data(), attempt.trajectory, task, pattern))
+    return scenario, motions[0], motions[1]
+
+
+def test_maps_of_energy_switch_as_well(saving: tuple[Scenario, Motion, Motion]) -> None:
+    """Though no map of theirs has an acceleration, and feet are not as fast at both ends of a transition."""
+    scenario, trot, walk = saving
+    planner = TransitionPlanner(TransitionProblem(scenario.as_data()))
+    for one, other in ((trot, walk), (standing(trot), trot)):
+        found = planner.plan(one, other)
+        assert found.violation <= FEASIBLE
+        assert 0.0 < found.cost < 100.0, "J"
+
+
+def test_a_robot_is_the_same_with_limbs_and_without(saving: tuple[Scenario, Motion, Motion]) -> None:
+    """Maps of before know none."""
+    scenario, trot, walk = saving
+    data = scenario.as_data()
+    before = {key: value for key, value in data["robot"].items() if key != "limbs"}
+    check_switchable(data, trot, replace(walk, scenario=data | {"robot": before}))
+    with pytest.raises(ValueError, match="of another one"):
+        check_switchable(data, trot, other_robot(walk))
 
 
 def other_robot(motion: Motion) -> Motion:
