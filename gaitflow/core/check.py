@@ -72,7 +72,8 @@ def _found(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task, stan
     fastest = float(robot["max_foot_speed"])
     closing = _closing(body, trajectory, task)
     lift = float(-body.default_feet[:, -1].min() + body.box[-1])
-    return {
+    asked = {"swing clearance": _low_swings(scenario, feet, stance)} if scenario.get("swing_clearance") else {}
+    return asked | {
         "dynamics": _largest(_base_defects(str(settings["integrator"]), body, trajectory, h)),
         "foot motion": _largest(moved - h[:, None, None] * velocities),
         "periodicity": closing,
@@ -85,7 +86,6 @@ def _found(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task, stan
         "foot height": _excess(feet[..., -1] - lift),
         "force in swing": _largest(forces[:, ~stance]) / weight,
         "slip in stance": _largest(moved[stance]),
-        "swing clearance": _low_swings(scenario, feet, stance),
         "lift in stance": max(_largest(feet[:-1][stance][..., -1]), _largest(feet[1:][stance][..., -1])),
         "foot speed": _excess(np.abs(seen_from_frame(velocities, reached[:-1] + h / 2, task)) - fastest),
         "tilt": _excess(np.abs(limited) - float(robot["max_tilt"])),
@@ -105,8 +105,8 @@ def _stance(pattern: str, legs: int, phases: int, knots_per_phase: int) -> Mask:
 
 def _low_swings(scenario: Mapping[str, Any], feet: Array, stance: Mask) -> float:
     """How much [m] a foot is too low in the middle of a swing."""
-    wanted, low = float(scenario.get("swing_clearance", 0.0)), 0.0
-    for leg in range(stance.shape[1] if wanted else 0):
+    wanted, low = float(scenario["swing_clearance"]), 0.0
+    for leg in range(stance.shape[1]):
         begins = np.flatnonzero(~stance[:, leg] & np.roll(stance[:, leg], 1))
         for begin in begins:
             length = int(np.argmax(np.roll(stance[:, leg], -begin)))

@@ -324,6 +324,22 @@ def test_every_kind_is_planted(planar: Scenario, gallop: Trajectory) -> None:
     assert set(kinds) == {kind for _, kind, _, _ in PLANTED}
 
 
+def test_a_low_swing_is_planted_where_a_scenario_asks_for_clearance(planar: Scenario, gallop: Trajectory) -> None:
+    """F swings in steps 12..15 and 0..3: knots 0 and 16, one place of the cycle, are the middle."""
+    asking = planar.as_data() | {"swing_clearance": 0.1}
+    high = Trajectory(*(getattr(gallop, field.name).copy() for field in fields(Trajectory)))
+    high.feet[[0, 16], F, 1] = high.feet[12, H, 1] = 0.1
+    found = violations(asking, high, task_of(planar), GALLOP)
+    assert found["swing clearance"] == 0.0
+    for leg, knots in ((F, [0, 16]), (H, [12])):
+        spoilt = replace(high, feet=high.feet.copy())
+        spoilt.feet[knots, leg, 1] -= EPS
+        assert violations(asking, spoilt, task_of(planar), GALLOP)["swing clearance"] == pytest.approx(EPS)
+        spoilt.feet[11, F, 1] = spoilt.feet[9, H, 1] = spoilt.feet[15, H, 1] = 0.0  # no middle
+        assert violations(asking, spoilt, task_of(planar), GALLOP)["swing clearance"] == pytest.approx(EPS)
+    assert set(found) - {"swing clearance"} == set(violations(planar.as_data(), high, task_of(planar), GALLOP))
+
+
 # The same gallop with exact steps: knots 4..12 are the front leg's stance, as before.
 def _jump(trajectory: Trajectory) -> None:
     trajectory.end_forces[5, F, 1] += 1.0  # step 6 of the same phase begins where it was
