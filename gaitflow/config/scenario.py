@@ -165,8 +165,13 @@ class Scenario(Config):
             )
         if self.swing_clearance > 2 * self.robot.box[-1]:
             raise ValueError(
-                f"swing_clearance = {self.swing_clearance:g}: the kinematic box lets a foot be at most "
-                f"{2 * self.robot.box[-1]:g} m above another; allowed is less"
+                f"swing_clearance = {self.swing_clearance:g}: the kinematic box lets a foot be "
+                f"{2 * self.robot.box[-1]:g} m above another; allowed is at most that"
+            )
+        if self.swing_clearance and self.strategy.name == "bonmin":
+            raise ValueError(
+                f"swing_clearance = {self.swing_clearance:g}: the strategy 'bonmin' knows no middle of a swing; "
+                "allowed is 0"
             )
         if self.objective.energy:
             self._has_joints()
@@ -198,16 +203,19 @@ class Scenario(Config):
         return found if self.swing_clearance else {key: found[key] for key in found if key != "swing_clearance"}
 
     def _has_joints(self) -> None:
-        """Energy needs joints, forces that run linearly, and feet whose velocity is the same a cycle later."""
+        """Energy needs joints, a cost that is no sum over Euler's steps, and feet as fast a cycle later."""
+        weights = f"objective.joint_work = {self.objective.joint_work:g}, joint_heat = {self.objective.joint_heat:g}"
+        if self.robot.dimension == 2:
+            raise ValueError(f"{weights}: need a robot with dimension 3, {self.robot.name} has 2; allowed is 0")
         if self.robot.limbs is None:
             raise ValueError(
-                f"objective.joint_work = {self.objective.joint_work:g}, joint_heat = {self.objective.joint_heat:g}: "
-                f"the robot {self.robot.name} says nothing of its joints (limbs): `gaitflow robot import` it again"
+                f"{weights}: the robot {self.robot.name} says nothing of its joints (limbs): `gaitflow robot import` "
+                "it again"
             )
         if self.transcription.integrator == "euler":
-            raise ValueError("objective.joint_work and joint_heat: need another transcription.integrator than euler")
+            raise ValueError(f"{weights}: need another transcription.integrator than euler, such as momentum")
         if self.stances_per_leg is None:
-            raise ValueError("objective.joint_work and joint_heat: need stances_per_leg = 1, one swing a leg")
+            raise ValueError(f"{weights}: need stances_per_leg = 1, as a leg's swing is one")
         if self.tasks.varies("acceleration"):
             raise ValueError("tasks.axes.acceleration: its energy is not modelled; leave the axis or the energy out")
 
@@ -225,8 +233,8 @@ class Scenario(Config):
         data = self.as_data()
         parts = ("robot", "objective", "transcription", "stances_per_leg", "swing_clearance")
         kept = {key: data[key] for key in parts if key in data}
-        beside = ("source", "frames")  # prose and names, no physics
-        beside += () if self.objective.energy else ("limbs",)
+        beside = {"source", "frames"}  # prose and names, no physics
+        beside |= set() if self.objective.energy else {"limbs"}
         kept["robot"] = {key: value for key, value in data["robot"].items() if key not in beside}
         return kept | {"axes": [axis for axis in AXES if self.tasks.varies(axis)]}
 
@@ -238,6 +246,8 @@ class Scenario(Config):
         robot = self.robot
         mirror = robot.mirror_permutation if robot.mirror and task.mirrored() == task else None
         reversible = self.transcription.time_symmetric and task.time_reversed() == task
+        # Of energy both directions take about the same, where knees are alike, too, but not to the last digits.
+        reversible = reversible and not self.objective.energy
         reversal = robot.reversal_permutation if reversible else None
         return Symmetry(mirror, reversal, rotation=task["acceleration"] == 0)
 
