@@ -11,7 +11,6 @@ from gaitflow.urdf.chain import LegChain
 from gaitflow.urdf.mechanism import Array
 
 STRAIGHT = 0.999  # cosine between an axis and where it should point
-IN_PLANE = 5e-3  # m: how far a knee may be from the plane of its leg's hip and foot
 
 
 def limbs_of(
@@ -42,8 +41,6 @@ def _limb(leg: LegChain, centre: Array, foot: Array) -> dict[str, Any] | None:
         return None
     across = flexion * np.sign(flexion[1])
     down = -np.cross([1.0, 0.0, 0.0], across)
-    from_abduction = [point - origins[0] for point in (origins[1], origins[2], foot)]
-    asides = [float(point @ across) for point in from_abduction]
     thigh, shank = ((a[0], a @ down) for a in (origins[2] - origins[1], foot - origins[2]))
     line = foot - origins[1]
     inertia = leg.mechanism.joint_inertia(leg.joints, leg.pose)
@@ -51,8 +48,8 @@ def _limb(leg: LegChain, centre: Array, foot: Array) -> dict[str, Any] | None:
     bent_forward = thigh[0] * (line @ down) - thigh[1] * line[0] > 0
     return {
         "hip": np.array([origins[1, 0], origins[0, 1], origins[0, 2]]),
-        "aside": asides[-1],
-        "below": float(from_abduction[0] @ down),
+        "aside": float((foot - origins[0]) @ across),
+        "below": float((origins[1] - origins[0]) @ down),
         "thigh": float(np.hypot(*thigh)),
         "shank": float(np.hypot(*shank)),
         "knee": "forward" if bent_forward else "backward",

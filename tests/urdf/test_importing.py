@@ -15,6 +15,7 @@ from click.testing import CliRunner
 
 from gaitflow.cli import main
 from gaitflow.config.file import ConfigError
+from gaitflow.config.limbs import Limb
 from gaitflow.config.robot import Robot, load_robot
 from gaitflow.urdf.importing import Request, import_robot
 
@@ -28,6 +29,11 @@ def numbers(robot: Robot) -> list[float]:
     feet = [value for leg in robot.legs for value in leg.default_foot]
     inertia = [value for row in robot.inertia for value in row]
     return [robot.mass, *inertia, *feet, *robot.box, robot.max_force, robot.max_foot_speed, robot.max_tilt]
+
+
+def lengths(limb: Limb) -> list[float]:
+    inertia = [value for row in limb.flexion_inertia for value in row]
+    return [*limb.hip, limb.aside, limb.below, limb.thigh, limb.shank, limb.abduction_inertia, *inertia]
 
 
 def test_the_robots_of_the_issue_are_there() -> None:
@@ -51,6 +57,9 @@ def test_the_command_in_a_file_makes_that_file(
     for one, other in zip(again.frames.feet, shipped.frames.feet, strict=True):
         assert (one.leg, one.link) == (other.leg, other.link)
         np.testing.assert_allclose(one.contact_point, other.contact_point, atol=1.01e-6, rtol=0)
+    for limb, shipped_limb in zip(again.limbs or (), shipped.limbs or (), strict=True):
+        assert (limb.leg, limb.knee) == (shipped_limb.leg, shipped_limb.knee)
+        np.testing.assert_allclose(lengths(limb), lengths(shipped_limb), atol=2.01e-6, rtol=0)
     assert (tmp_path / "again.yaml").read_text().splitlines()[0] == path.read_text().splitlines()[0]
 
 
