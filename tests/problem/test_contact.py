@@ -10,7 +10,7 @@ from gaitflow.core.gaits import Pattern
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.problem import GaitProblem, transcribe
-from gaitflow.problem.contact import fix_contacts, highest_lift, one_stance_rows
+from gaitflow.problem.contact import fix_contacts, highest_lift, middles_of_swings, one_stance_rows
 from gaitflow.search import starts
 
 TASK = Task.of({"speed": 1.0, "cycle_duration": 0.6, "slope": 15.0})
@@ -57,6 +57,58 @@ def test_contacts_fix_what_eq_7_says_and_nothing_else(either: Scenario, forces: 
         assert not trajectory.feet[:, leg, :-1].any()
     assert not trajectory.base.any()
     assert not trajectory.durations.any()
+
+
+@pytest.mark.parametrize(
+    ("row", "knots", "middles"),
+    [
+        ("0110", 10, [0, 40]),  # over the cycle's end, which is a knot twice
+        ("1110", 10, [35]),
+        ("0111", 10, [5]),
+        ("1100", 10, [30]),
+        ("0011", 10, [10]),
+        ("0001", 10, [15]),
+        ("1000", 10, [25]),
+        ("0100", 10, [35]),  # phases 2, 3 and 0
+        ("1010", 10, [15, 35]),
+        ("1010", 4, [6, 14]),
+        ("1110", 5, [17, 18]),  # a swing of an odd number of steps has two knots in its middle
+        ("0100", 5, [17, 18]),
+        ("1001", 5, [10]),
+        ("0110", 5, [0, 20]),
+        ("10010", 3, [6, 13, 14]),
+        ("01101110", 2, [0, 7, 16]),
+        ("1111", 10, []),
+        ("0000", 10, []),  # never begins
+    ],
+)
+def test_middles_of_swings(row: str, knots: int, middles: list[int]) -> None:
+    assert middles_of_swings(row, knots) == middles
+
+
+@pytest.mark.parametrize("knots", [2, 3, 10])
+def test_middles_turn_with_the_cycle(knots: int) -> None:
+    steps = 4 * knots
+    for digits in product("01", repeat=4):
+        row = "".join(digits)
+        found = {middle % steps for middle in middles_of_swings(row, knots)}
+        turned = {middle % steps for middle in middles_of_swings(row[1:] + row[0], knots)}
+        assert turned == {(middle - knots) % steps for middle in found}, row
+
+
+def test_clearance_lifts_the_middles_of_swings_and_nothing_else(either: Scenario) -> None:
+    layout = transcribe(either).layout
+    pattern = Pattern(("0110", "1000", "1111", "0000")[: layout.legs])
+    flat, high = (np.full(layout.nw, -np.inf) for _ in range(2))
+    tops = [np.full(layout.nw, np.inf) for _ in range(2)]
+    fix_contacts(layout, pattern, flat, tops[0])
+    fix_contacts(layout, pattern, high, tops[1], 0.05)
+    np.testing.assert_array_equal(*tops)
+    n = layout.knots_per_phase
+    middles = [(0, 0), (4 * n, 0), (2 * n + n // 2, 1), (2 * n + (n + 1) // 2, 1)]
+    expected = flat.copy()
+    expected[[layout.foot(knot, leg).stop - 1 for knot, leg in middles]] = 0.05
+    np.testing.assert_array_equal(high, expected)
 
 
 def _walking_like(problem: GaitProblem, pattern: Pattern) -> Array:
