@@ -42,7 +42,7 @@ class Layout:
     @classmethod
     def of(cls, scenario: Mapping[str, Any]) -> Layout:
         """The layout of a scenario's JSON data (`Scenario.as_data`)."""
-        robot, transcription = scenario["robot"], scenario["transcription"]
+        robot, transcription, objective = scenario["robot"], scenario["transcription"], scenario.get("objective", {})
         return cls(
             dimension=int(robot["dimension"]),
             legs=len(robot["legs"]),
@@ -51,7 +51,7 @@ class Layout:
             weight=float(robot["mass"]) * GRAVITY,
             linear_forces=transcription.get("forces", "held") == "linear",
             grading=float(transcription.get("grading", 0.0)),
-            energy=bool(scenario["objective"].get("joint_heat") or scenario["objective"].get("joint_work")),
+            energy=bool(objective.get("joint_heat") or objective.get("joint_work")),
         )
 
     @property
@@ -191,7 +191,7 @@ class Layout:
         )
 
     def pack(self, trajectory: Trajectory, cycle_duration: float) -> Array:
-        """The scaled decision vector w [nw] of a trajectory, the inverse of `unpack`; contacts, which it lacks, are 0."""
+        """The scaled decision vector w [nw] of a trajectory; the inverse of `unpack`, with contacts of 0."""
         knots, steps = self.steps + 1, self.steps
         states = np.hstack([trajectory.base, trajectory.feet.reshape(knots, -1)])
         controls = np.hstack([trajectory.forces.reshape(steps, -1), trajectory.foot_velocities.reshape(steps, -1)])

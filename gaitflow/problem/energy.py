@@ -53,7 +53,7 @@ class JointCost:
         """Of a leg's one swing of a duration [s]: the curve that is followed, see `gaitflow.motion.swing`.
 
         Over the ground a minimum-jerk line as long as a cycle's way, in height such a piece up to `apex` [m] and one
-        down, against the leg's place in a body that moves as commanded; and half the apex that the leg's mass is lifted.
+        down, against the leg's place in a body that moves as commanded; and the leg's mass lifted by half the apex.
         """
         cycle, (x, y, _) = task["cycle_duration"], self._feet[leg]
         passing = task.velocity(cycle / 2, 3) + task["yaw_rate"] * ca.DM([-y, x, 0.0])

@@ -101,12 +101,12 @@ class GaitProblem:
         )
 
 
-def transcribe(scenario: Scenario, closed: bool = True) -> GaitProblem:
-    """Build the program of a scenario; not closed, that of a motion between two states, which bounds may impose."""
+def transcribe(scenario: Scenario) -> GaitProblem:
+    """Build the program of a scenario."""
     layout = Layout.of(scenario.as_data())
     scale = _cost_scale(scenario, layout)
     w, parameters = ca.SX.sym("w", layout.nw), ca.SX.sym("task", len(AXES))
-    cost, groups = _terms(scenario, layout, w, parameters, closed)
+    cost, groups = _terms(scenario, layout, w, parameters)
     nlp = ca.Function("nlp", [w, parameters], [cost / scale, ca.vertcat(*groups)], ["w", "task"], ["cost", "rows"])
     return GaitProblem(scenario, layout, nlp, scale)
 
@@ -152,9 +152,7 @@ class _Nodes:
         return self._built[key]
 
 
-def _terms(
-    scenario: Scenario, layout: Layout, w: ca.SX, parameters: ca.SX, closed: bool = True
-) -> tuple[ca.SX, list[ca.SX]]:
+def _terms(scenario: Scenario, layout: Layout, w: ca.SX, parameters: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
     """Cost and the row groups that both forms share."""
     robot, rule, objective = scenario.robot, scenario.transcription.integrator, scenario.objective
     task = task_parameters(scenario.tasks, parameters)

@@ -52,7 +52,7 @@ class TransitionProblem:
         tasks["axes"]["acceleration"] = {"start": -1.0, "stop": 1.0, "count": 2}  # it varies, by any amount
         # The swings that are followed have a height of their own, and those under way no middle.
         changed = {"tasks": own.tasks.from_data(tasks, name), "swing_clearance": 0.0}
-        self.gait_problem = transcribe(own.model_copy(update=changed), closed=False)
+        self.gait_problem = transcribe(own.model_copy(update=changed))
         self.scenario = self.gait_problem.scenario.as_data()
         self.derivatives = derivatives(self.gait_problem.nlp)
 
