@@ -10,7 +10,7 @@ from typing import Any
 
 import pandas as pd
 
-from benchmarks.clients import starts
+from benchmarks.clients import starts, walk
 from benchmarks.infrastructure import faults, overhead, speedup, store
 from benchmarks.online import cpp, map, online, select
 from benchmarks.paper import discovery, minlp, phases, ranking, stances, table1, table2
@@ -74,6 +74,9 @@ def measure(
         "table2": lambda: table2.run(
             scenario, resolve(workspace.models / scenario.name), _document(workspace, "minlp", scenario), seed=seed,
             runs=runs, **own,
+        ),
+        "walk": lambda: walk.run(
+            scenario, resolve(workspace.models / scenario.name), seed=seed, runs=runs, **own
         ),
     }  # fmt: skip
     return benches[name]()

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import statistics
 from collections.abc import Iterator, Mapping, Sequence
-from importlib.metadata import PackageNotFoundError, files, version
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from benchmarks.clients.tasks import random_plans
 from benchmarks.document import document
 from gaitflow.clients.default_gaits import default_motion
+from gaitflow.clients.description import describe
 from gaitflow.clients.predictive import Prediction, Predictor
 from gaitflow.clients.shooting import Shot, Start, shoot
 from gaitflow.clients.whole_body import WholeBody, load_whole_body
@@ -20,7 +20,6 @@ from gaitflow.runtime import GaitMap, Plan
 
 DUTY = 0.5  # of the hand-made trot
 CYCLES = 2  # of the shooting problem
-MOST_DRAWS = 1000
 NOTES = (
     "crocoddyl: FDDP on the whole body over two cycles, steps of 0.02 s; from a motion it starts at its inverse "
     "kinematics and torques, cold in the first state all along with the torques that hold it still",
@@ -35,44 +34,16 @@ NOTES = (
 
 
 def run(artifact: Path, tasks: int = 8, seed: int = 0) -> dict[str, Any]:
-    """The document: a row a task and start. Raises ValueError where the robot's description is not installed."""
+    """The document: a row a task and start. Raises ConfigError where the robot's description is not installed."""
     gait_map = GaitMap.load(artifact)
     scenario = gait_map.manifest.scenario
-    body, predictor = load_whole_body(installed_description(scenario), scenario), Predictor(scenario)
-    rows = [row for plan in _plans(gait_map, tasks, seed) for row in _rows(plan, body, predictor)]
+    body, predictor = load_whole_body(describe(scenario).urdf.path, scenario), Predictor(scenario)
+    rows = [row for plan in random_plans(gait_map, tasks, seed) for row in _rows(plan, body, predictor)]
     methods = dict.fromkeys(row["start"] for row in rows)
     summary = {method: _summary([row for row in rows if row["start"] == method]) for method in methods}
     done = document("clients", gait_map.manifest.name, rows, summary, NOTES)
     done["versions"] |= {name: version(name) for name in ("crocoddyl", "pin")}
     return done
-
-
-def installed_description(scenario: Mapping[str, Any]) -> Path:
-    """The URDF that a scenario's robot was imported from, in the package example-robot-data.
-
-    Raises ValueError where it came from elsewhere, or is not installed.
-    """
-    robot = scenario["robot"]
-    label = str(robot.get("source") or "").partition(",")[0]
-    try:
-        found = [file for file in files("example-robot-data") or () if label and str(file).endswith(f"share/{label}")]
-    except PackageNotFoundError:
-        found = []
-    if not found:
-        raise ValueError(f"robot {robot['name']}: its description {label!r} is not in the package example-robot-data")
-    return Path(str(found[0].locate()))
-
-
-def _plans(gait_map: GaitMap, count: int, seed: int) -> Iterator[Plan]:
-    """Feasible plans of random tasks in the map's domain."""
-    domain, rng, found = gait_map.manifest.domain, np.random.default_rng(seed), 0
-    for _ in range(MOST_DRAWS):
-        task: dict[str, Any] = {axis: float(rng.uniform(values[0], values[-1])) for axis, values in domain.axes.items()}
-        if domain.contains(task) and (plan := gait_map.plan(**task)).feasible:
-            yield plan
-            found += 1
-        if found == count:
-            return
 
 
 def _rows(plan: Plan, body: WholeBody, predictor: Predictor) -> Iterator[dict[str, Any]]:

@@ -51,6 +51,7 @@ def scenario(fields: Fields) -> Mapping[str, Any]:
     if not isinstance(data.get("name"), str) or not all(isinstance(data.get(part), dict) for part in _PARTS):
         fields.refuse("scenario", f"a scenario with name, {', '.join(_PARTS)}")
     robot, transcription, legs = data["robot"], data["transcription"], data["robot"].get("legs")
+    clearance = data.get("swing_clearance", 0.0)
     sound = {
         "robot.dimension": robot.get("dimension") in (2, 3),
         "robot.mass": is_number(robot.get("mass")) and robot["mass"] > 0,
@@ -60,6 +61,7 @@ def scenario(fields: Fields) -> Mapping[str, Any]:
         "transcription.knots_per_phase": _is_count(transcription.get("knots_per_phase"), 1000),
         "transcription.forces": transcription.get("forces") in ("held", "linear"),
         "transcription.grading": is_number(transcription.get("grading")) and 0 <= transcription["grading"] <= 1,
+        "swing_clearance": is_number(clearance) and 0 <= clearance < 1,
         "tasks.axes": _are_axes(data["tasks"]["axes"]),
     }
     for name, holds in sound.items():

@@ -68,6 +68,11 @@ class Plan(Trajectory):
         return Motion.of(self.scenario, self, task, self.pattern, swing_apex, point)
 
     @property
+    def swing_apex(self) -> float:
+        """How high swings lead [m] where the map counts on it, as one of energy does; 0.05 otherwise."""
+        return float(self.scenario.get("swing_clearance", 0.0)) or SWING_APEX
+
+    @property
     def frames(self) -> Frames | None:
         """Where the robot's links are, seen from what the plan speaks of; None of a map that does not know them."""
         return Frames.of(self.scenario)

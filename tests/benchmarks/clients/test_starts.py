@@ -4,9 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.clients.starts import installed_description, run
+from benchmarks.clients.starts import run
 from benchmarks.document import plain
-from gaitflow.runtime import GaitMap
 
 STARTS = ["plan", "plan, cold", "plan's swings", "plan's swings, cold", "trot", "trot, cold"]
 
@@ -24,12 +23,3 @@ def test_a_row_for_each_start_of_the_same_task(checkout: Path) -> None:
         assert costs[2] == pytest.approx(costs[3], rel=0.02)
         assert costs[4] == pytest.approx(costs[5], rel=0.02)
         assert costs[0] != pytest.approx(costs[4], rel=1e-3)
-
-
-def test_a_robot_that_came_from_elsewhere_is_named(checkout: Path) -> None:
-    scenario = GaitMap.load(checkout / "models" / "anymal-exact-vibration").manifest.scenario
-    assert installed_description(scenario).name == "anymal.urdf"
-    for source in (None, "elsewhere/walker.urdf, pose standing"):
-        other = {"robot": scenario["robot"] | {"name": "walker", "source": source}}
-        with pytest.raises(ValueError, match="robot walker"):
-            installed_description(other)
