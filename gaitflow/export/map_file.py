@@ -26,7 +26,7 @@ from gaitflow.runtime.tensors import GaitTensors
 from gaitflow.solvers.point import GaitSpace
 
 MAGIC = b"gaitmap\n"
-FORMAT = 3
+FORMAT = 4
 ALIGNMENT = 8
 _START = struct.Struct("<8sIIQ32s")  # magic, format, CRC-32 of all from byte 16 on, size of the file, digest
 
@@ -69,7 +69,7 @@ def _domain(domain: Domain) -> Iterator[bytes]:
 
 def _layout(layout: Layout, legs: Sequence[str], rows: int) -> Iterator[bytes]:
     sizes = layout.phases, layout.knots_per_phase, layout.legs, layout.dimension, layout.nb, rows
-    yield _counts(*sizes, int(layout.linear_forces))
+    yield _counts(*sizes, int(layout.linear_forces), int(layout.energy))
     yield from map(_text, legs)
     yield _array(layout.shares, "<f8")
     yield _array(layout.scale(1.0), "<f8")

@@ -59,9 +59,9 @@ class JointCost:
         passing = task.velocity(cycle / 2, 3) + task["yaw_rate"] * ca.DM([-y, x, 0.0])
         rates, torques = self._standing[leg]
         cost = ca.SX(self._objective.joint_work * self._limbs[leg].mass * GRAVITY * apex / 2)
-        for x, weight in zip(*_gauss(SWING_POINTS), strict=True):
-            (pace, gain), (climb, push) = _minimum_jerk(x), _minimum_jerk(2 * x % 1)
-            sign = 1 if x < 0.5 else -1
+        for part, weight in zip(*_gauss(SWING_POINTS), strict=True):
+            (pace, gain), (climb, push) = _minimum_jerk(part), _minimum_jerk(2 * part % 1)
+            sign = 1 if part < 0.5 else -1
             velocity = (passing * cycle * pace + ca.vertcat(0, 0, 2 * sign * apex * climb)) / duration - passing
             acceleration = (passing * cycle * gain + ca.vertcat(0, 0, 4 * sign * apex * push)) / duration**2
             cost += weight * duration * self._per_second(torques @ acceleration, rates @ velocity)

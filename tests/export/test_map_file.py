@@ -71,9 +71,9 @@ def test_it_holds_the_map(which: str, request: pytest.FixtureRequest) -> None:
         assert tuple(items.array("<f8", each)) == values
     assert np.array_equal(items.array("u1", *sizes), domain.feasible)
 
-    sizes = items.counts(7)
+    sizes = items.counts(8)
     assert sizes[:3] == [layout.phases, layout.knots_per_phase, layout.legs]
-    assert sizes[3:] == [layout.dimension, layout.nb, tensors.rows, layout.linear_forces]
+    assert sizes[3:] == [layout.dimension, layout.nb, tensors.rows, layout.linear_forces, layout.energy]
     assert [items.text() for _ in range(layout.legs)] == ["F", "H"]
     assert np.array_equal(items.array("<f8", layout.knots_per_phase), layout.shares)
     assert np.array_equal(items.array("<f8", layout.nw), layout.scale(1.0))

@@ -25,11 +25,12 @@ struct Domain {
   std::vector<unsigned char> feasible;
 };
 
-// Sizes of the decision vector w = (x_0, u_0, x_1, ..., x_K, end forces, phase durations), and w * scale in SI units
-// for a cycle of 1 s. Only where forces are linear there are end forces, those at the end of each phase.
+// Sizes of the decision vector w = (x_0, u_0, x_1, ..., x_K, end forces, phase durations, contacts), and w * scale in
+// SI units for a cycle of 1 s. Only where forces are linear there are end forces, those at the end of each phase; only
+// where the objective is energy there are contacts, a leg in a phase each, which bounds fix.
 struct Layout {
   std::size_t phases, knots_per_phase, dimension, base, rows;
-  bool linear_forces;
+  bool linear_forces, energy;
   std::vector<std::string> legs;
   Vector shares;  // what part of its phase each step lasts [knots_per_phase]
   Vector scale;
@@ -37,7 +38,10 @@ struct Layout {
   std::size_t steps() const { return phases * knots_per_phase; }
   std::size_t feet() const { return legs.size() * dimension; }
   std::size_t ends() const { return linear_forces ? phases * feet() : 0; }
-  std::size_t variables() const { return (steps() + 1) * (base + feet()) + steps() * 2 * feet() + ends() + phases; }
+  std::size_t contacts() const { return energy ? phases * legs.size() : 0; }
+  std::size_t variables() const {
+    return (steps() + 1) * (base + feet()) + steps() * 2 * feet() + ends() + phases + contacts();
+  }
 };
 
 // The bounds that impose a pattern, of variables [nw] and rows [ng], and what they leave free.

@@ -28,7 +28,7 @@ struct MapError : std::runtime_error {
 namespace detail {
 
 constexpr std::size_t start_size = 56, checked_from = 16, most_bytes = std::size_t{1} << 30;
-constexpr std::uint32_t known_format = 3;
+constexpr std::uint32_t known_format = 4;
 
 // CRC-32 as in zlib and PNG.
 inline std::uint32_t crc32(const unsigned char* bytes, std::size_t count) {
@@ -165,6 +165,7 @@ inline Layout read_layout(Cursor& file) {
   layout.base = file.count(1, 100, fault);
   layout.rows = file.count(1, 10000000, fault);
   layout.linear_forces = file.count(0, 1, fault) == 1;
+  layout.energy = file.count(0, 1, fault) == 1;
   for (std::string& leg : layout.legs) leg = file.text();
   layout.shares = file.finite<double>(layout.knots_per_phase);
   layout.scale = file.finite<double>(layout.variables());
@@ -281,7 +282,7 @@ inline MapFile read_map(const std::string& path) {
   std::memcpy(&size, bytes.data() + 16, 8);
   if (std::memcmp(bytes.data(), "gaitmap\n", 8) != 0) file.refuse("this is no map.bin");
   if (format != detail::known_format)
-    file.refuse("has format " + std::to_string(format) + ", this reader knows format 3; take the reader beside it");
+    file.refuse("has format " + std::to_string(format) + ", this reader knows format 4; take the reader beside it");
   if (size != bytes.size())
     file.refuse(std::to_string(bytes.size()) + " bytes, but it should have " + std::to_string(size));
   if (crc != detail::crc32(bytes.data() + detail::checked_from, bytes.size() - detail::checked_from))
