@@ -1,7 +1,8 @@
-"""Joints of the check against the foot's place by angles, and against the problem's closed form."""
+"""Joints of the check against the foot's place by angles, swings by hand, and the problem's closed form."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import casadi as ca
@@ -12,7 +13,8 @@ from terms import numbers
 from gaitflow.config.robot import Robot, load_robot
 from gaitflow.config.scenario import Scenario, load_scenario
 from gaitflow.core import joints
-from gaitflow.core.joints import Joints, Limb, knot_motion
+from gaitflow.core.joints import Joints, Limb
+from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.problem import energy
 from gaitflow.problem.limb import LegPose
@@ -78,19 +80,50 @@ def test_torques_and_rates_are_the_problems(robot: Robot) -> None:
         np.testing.assert_allclose(sign * numbers(pose.inertial_torques(column)), own.inertia @ rates, atol=1e-8)
 
 
-def test_knots_move_as_the_problems() -> None:
-    rng = np.random.default_rng(3)
-    velocities, h = rng.uniform(-1, 1, (7, 2, 3)), rng.uniform(0.01, 0.1, 7)
-    moving, pushed = knot_motion(velocities, h)
-    for leg in range(2):
-        expected = energy.knot_motion([ca.SX(ca.DM(list(v))) for v in velocities[:, leg]], [ca.SX(step) for step in h])
-        for knot, (velocity, push) in enumerate(expected):
-            np.testing.assert_allclose(moving[knot, leg], numbers(velocity), atol=1e-12)
-            np.testing.assert_allclose(pushed[knot, leg], numbers(push), atol=1e-9)
+def test_the_constant_is_the_problems() -> None:
+    assert joints.SMOOTH_POWER == energy.SMOOTH_POWER
 
 
-def test_constants_are_the_problems() -> None:
-    assert (joints.SMOOTH_POWER, joints.SHARPER) == (energy.SMOOTH_POWER, energy.SHARPER)
+APEX = 0.05
+STRAIGHT = {"speed": 0.7, "cycle_duration": 0.6}
+
+
+@pytest.mark.parametrize(
+    "command",
+    [STRAIGHT, STRAIGHT | {"lateral_speed": -0.3}, STRAIGHT | {"yaw_rate": 0.8, "lateral_speed": 0.2}],
+    ids=["straight", "sideways", "turning"],
+)
+def test_heat_of_swings_by_hand(walking: Scenario, command: dict[str, float]) -> None:
+    """Of a minimum-jerk way s within d the squared acceleration integrates to 120 / 7 s^2 / d^3.
+
+    Up and down are two ways within half the time: 16 times that of the apex. Both are orthogonal, being even and odd.
+    """
+    found = Joints.of(walking.as_data() | {"objective": {"joint_heat": 0.02, "joint_work": 0.0}})
+    assert found is not None
+    task, durations, expected = Task.of(command), np.array([0.1, 0.2, 0.3, 0.5]), 0.0
+    for limb, (x, y, z), duration in zip(found.limbs, found.default_feet, durations, strict=True):
+        turning = task["yaw_rate"] * np.array([-y, x, 0.0])
+        way = 0.6 * (np.array([task["speed"], task["lateral_speed"], 0.0]) + turning)
+        torques = limb.inertia @ np.linalg.inv(limb.jacobian(np.array([x, y, z])))
+        squares = np.sum((torques @ way) ** 2) + 16 * APEX**2 * np.sum(torques[:, 2] ** 2)
+        expected += 0.02 * 120 / 7 * squares / duration**3
+    assert found.swings(task, durations, APEX) == pytest.approx(expected, rel=1e-6)
+
+
+def test_work_of_steps_on_the_spot_by_hand(walking: Scenario) -> None:
+    """A foot's highest speed, 1.875 times the mean one, is reached up and down: of each joint half its square twice.
+
+    The mass of the leg, lifted by half the apex, comes on top. A sharp corner, so that numbers are simple.
+    """
+    found = Joints.of(walking.as_data() | {"objective": {"joint_heat": 0.0, "joint_work": 2.0}})
+    assert found is not None
+    found = replace(found, smallest=1e-9)
+    expected, fastest = 0.0, 1.875 * APEX / 0.1
+    for limb, foot in zip(found.limbs, found.default_feet, strict=True):
+        rates = np.linalg.inv(limb.jacobian(foot))[:, 2]
+        expected += 2.0 * (np.abs(limb.inertia @ rates * rates).sum() * fastest**2 + limb.mass * 9.81 * APEX / 2)
+    on_the_spot = Task.of({"speed": 0.0, "cycle_duration": 0.6})
+    assert found.swings(on_the_spot, np.full(4, 0.2), APEX) == pytest.approx(expected, rel=1e-3)
 
 
 def test_only_an_objective_of_energy_has_joints(walking: Scenario) -> None:

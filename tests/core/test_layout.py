@@ -20,6 +20,7 @@ layouts = st.builds(
     weight=st.floats(1.0, 1e3),
     linear_forces=st.booleans(),
     grading=st.floats(0.0, 1.0),
+    energy=st.booleans(),
 )
 
 
@@ -50,13 +51,17 @@ def test_slices_cover_w_once(layout: Layout) -> None:
     if layout.linear_forces:
         n = layout.knots_per_phase
         slices += [layout.end_force(p * n + n - 1, leg) for p in range(layout.phases) for leg in range(layout.legs)]
+    if layout.energy:
+        slices += [layout.contacts(leg) for leg in range(layout.legs)]
     used = np.concatenate([np.arange(layout.nw)[part] for part in [*slices, layout.fractions]])
     assert sorted(used) == list(range(layout.nw))
 
 
 @given(layouts, st.integers(0, 2**32 - 1), st.floats(0.1, 5.0))
 def test_pack_is_the_inverse_of_unpack(layout: Layout, seed: int, cycle: float) -> None:
+    """But for the contacts, of which a trajectory knows nothing."""
     w = np.random.default_rng(seed).normal(size=layout.nw)
+    w[layout.fractions.stop :] = 0.0
     trajectory = layout.unpack(w, cycle)
     np.testing.assert_allclose(layout.pack(trajectory, cycle), w, rtol=1e-14)
     assert trajectory.base.shape == (layout.steps + 1, layout.nb)

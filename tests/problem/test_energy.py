@@ -1,4 +1,4 @@
-"""J4 against numbers made by hand, against the check's own numpy, and on a solved motion."""
+"""J4 against numbers made by hand, the curve that swings follow, the check's own numpy, and on a solved motion."""
 
 from __future__ import annotations
 
@@ -10,24 +10,29 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from terms import node_of, numbers, with_axes
+from terms import layout_of, node_of, with_axes
 
 from gaitflow.config.scenario import Objective, Scenario, load_scenario
 from gaitflow.core import check
 from gaitflow.core.gaits import Pattern
 from gaitflow.core.joints import Joints
 from gaitflow.core.rigid_body import Attitude
-from gaitflow.core.task import Task
+from gaitflow.core.task import AXES, Task
 from gaitflow.core.trajectory import Array, Trajectory
+from gaitflow.motion.swing import swing
 from gaitflow.problem import GaitProblem, transcribe
 from gaitflow.problem.dynamics import Body
-from gaitflow.problem.energy import SHARPER, SMOOTH_POWER, JointCost, knot_motion, positive
+from gaitflow.problem.energy import JointCost, positive
+from gaitflow.problem.task import TaskParameters
 from gaitflow.search import starts
 from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, Start
 
 TASK = Task.of({"speed": 0.6, "cycle_duration": 0.6})
 WALK = Pattern.from_text("1110/1011/1011/1110")
 HEAT, WORK = Objective(joint_heat=0.02), Objective(joint_work=1.0)
+APEX = 0.04
+AGREED = 0.06  # of the joules of swings
+Swings = dict[str, ca.Function]
 RANGE = {"start": -1.0, "stop": 1.0, "count": 2}
 
 
@@ -50,53 +55,6 @@ def solved(problem: GaitProblem) -> Attempt:
 
 def column(*values: float) -> ca.SX:
     return ca.SX(ca.DM(list(values)))
-
-
-lengths = st.lists(st.floats(1e-3, 1.0), min_size=3, max_size=8)
-
-
-def moved(steps: Array, path: list[float]) -> tuple[Array, list[ca.SX], list[ca.SX]]:
-    """Knots of steps [K] s, and velocities along the polynomial `path`, highest power first, as a step has them."""
-    times = np.append(0.0, np.cumsum(steps))
-    return times, [column(v) for v in np.diff(np.polyval(path, times)) / steps], [column(h) for h in steps]
-
-
-@given(lengths, st.floats(-5.0, 5.0), st.floats(-5.0, 5.0))
-def test_knots_of_a_steady_acceleration_are_exact(steps: list[float], push: float, speed: float) -> None:
-    times, velocities, h = moved(np.array(steps), [push / 2, speed, 0.0])
-    found = knot_motion(velocities, h)
-    for time, (velocity, acceleration) in list(zip(times, found, strict=True))[1:-1]:
-        assert numbers(velocity) == pytest.approx(speed + push * time, abs=1e-9)
-        assert numbers(acceleration) == pytest.approx(push, abs=1e-8)
-
-
-@given(st.floats(0.01, 1.0), st.floats(-5.0, 5.0))
-def test_knots_of_a_cubic_in_even_steps(h: float, jerk: float) -> None:
-    """Acceleration is exact, velocity is off by jerk h^2 / 6: the means of two chords."""
-    times, velocities, steps = moved(np.full(6, h), [jerk / 6, 0.3, -0.2, 0.0])
-    for time, (velocity, acceleration) in list(zip(times, knot_motion(velocities, steps), strict=True))[1:-1]:
-        exact = np.polyval([jerk / 2, 0.6, -0.2], time)
-        assert numbers(velocity) == pytest.approx(exact + jerk * h**2 / 6, abs=1e-9)
-        assert numbers(acceleration) == pytest.approx(jerk * time + 0.6, abs=1e-8)
-
-
-@given(lengths, st.integers(0, 7))
-def test_a_cycle_may_be_cut_anywhere(steps: list[float], cut: int) -> None:
-    speeds, cut = np.sin(np.arange(len(steps)) ** 2), cut % len(steps)
-    found = knot_motion([column(v) for v in speeds], [column(h) for h in steps])
-    turned = knot_motion([column(v) for v in np.roll(speeds, -cut)], [column(h) for h in np.roll(steps, -cut)])
-    assert len(found) == len(steps) + 1
-    for k, knot in enumerate(turned):
-        np.testing.assert_allclose(numbers(ca.vertcat(*knot)), numbers(ca.vertcat(*found[(cut + k) % len(steps)])))
-
-
-def test_a_motion_that_is_no_cycle_ends_as_it_moves() -> None:
-    speeds, h = [column(v) for v in (1.0, 2.0, 4.0)], [column(0.1)] * 3
-    cycle, open_ended = knot_motion(speeds, h), knot_motion(speeds, h, closed=False)
-    assert [float(velocity) for velocity, _ in open_ended] == pytest.approx([1.0, 1.5, 3.0, 4.0])
-    assert [float(push) for _, push in open_ended] == pytest.approx([0.0, 10.0, 20.0, 0.0])
-    assert float(cycle[0][0]) == float(cycle[-1][0]) == pytest.approx(2.5)
-    assert float(cycle[0][1]) == float(cycle[-1][1]) == pytest.approx(-30.0)
 
 
 powers = st.floats(-1e4, 1e4)
@@ -162,21 +120,126 @@ def test_a_leg_without_a_force_costs_nothing_where_legs_stand(energy: Scenario) 
     assert float(ca.DM(both.standing(node_of(body_at_rest(), x, np.zeros((4, 3)))))) == pytest.approx(0.0, abs=1e-12)
 
 
-@pytest.mark.parametrize("leg", range(4))
-def test_a_swing_by_hand(energy: Scenario, leg: int) -> None:
-    """A push that grows from nothing: a third of the last one's heat; at a steady speed its power, at three times."""
-    rng = np.random.default_rng(leg)
-    push, velocity = rng.uniform(-20, 20, 3), rng.uniform(-2, 2, 3)
+@pytest.fixture(scope="module")
+def swings(energy: Scenario) -> Swings:
+    """The problem's joules of each leg's swing [legs], by task [axes] and duration, as heat, work and both."""
+    values, duration = ca.SX.sym("task", len(AXES)), ca.SX.sym("duration")
+    task = TaskParameters(dict(zip(AXES, ca.vertsplit(values), strict=True)))
+    found = {}
+    for name, objective in {"heat": HEAT, "work": WORK, "both": energy.objective}.items():
+        cost = JointCost(energy.robot, objective)
+        each = ca.vertcat(*(cost.swing(leg, task, duration, APEX) for leg in range(4)))
+        found[name] = ca.Function(name, [values, duration], [each])
+    return found
+
+
+def joules(swing: ca.Function, task: Task, duration: float) -> Array:
+    """Of a swing of each leg [legs]."""
+    return np.asarray(swing(task.parameters, duration)).ravel()
+
+
+def along_the_curve(joints: Joints, leg: int, task: Task, duration: float) -> float:
+    """A swing's joules along what is followed, sampled finely, against a body that moves as commanded."""
+    x = (np.arange(2000) + 0.5) / 2000
+    foot, limb = joints.default_feet[leg], joints.limbs[leg]
+    body = complex(task["speed"], task["lateral_speed"]) + 1j * task["yaw_rate"] * complex(foot[0], foot[1])
+    lifted, landed = np.zeros((len(x), 2), dtype=complex), np.zeros((len(x), 2), dtype=complex)
+    landed[:, 0] = body * task.cycle_duration
+    _, velocity, acceleration = swing(lifted, landed, np.full(len(x), duration), x, APEX)
+    velocity = velocity - [body, 0.0]
+    inverse = np.linalg.inv(limb.jacobian(foot))
+    rates, pushed = (inverse @ [v[:, 0].real, v[:, 0].imag, v[:, 1].real] for v in (velocity, acceleration))
+    torques = limb.inertia @ pushed
+    power = torques * rates
+    heat = joints.heat * np.square(torques).sum(axis=0).mean() * duration
+    soft = (power + np.hypot(power, joints.smallest) - joints.smallest) / 2
+    work = soft.sum(axis=0).mean() * duration + limb.mass * 9.81 * APEX / 2
+    return float(heat + joints.work * work)
+
+
+commands = st.builds(
+    lambda speed, left, turn, cycle: Task.of(
+        {"speed": speed, "lateral_speed": left, "yaw_rate": turn, "cycle_duration": cycle}
+    ),
+    st.floats(0.2, 1.4),
+    st.floats(-0.4, 0.4),
+    st.floats(-0.8, 0.8),
+    st.floats(0.4, 0.9),
+)
+durations = st.floats(0.1, 0.6)
+
+
+@given(task=commands, duration=durations)
+def test_heat_of_swings_is_that_of_the_curve_that_is_followed(
+    energy: Scenario, swings: Swings, task: Task, duration: float
+) -> None:
     joints = joints_of(energy, HEAT)
-    inverse = np.linalg.inv(joints.limbs[leg].jacobian(joints.default_feet[leg]))
-    torques, rates = SHARPER * joints.limbs[leg].inertia @ inverse @ push, inverse @ velocity
-    ends = (column(*velocity), column(0, 0, 0)), (column(*velocity), column(*push))
-    heat = float(ca.DM(JointCost(energy.robot, HEAT).swinging(leg, *ends)))
-    assert heat == pytest.approx(0.02 * torques @ torques / 3, rel=1e-9)
-    width = SMOOTH_POWER * energy.robot.mass
-    watts = [np.sum(part * torques * rates + np.hypot(part * torques * rates, width) - width) / 2 for part in (0.5, 1)]
-    work = float(ca.DM(JointCost(energy.robot, WORK).swinging(leg, *ends)))
-    assert work == pytest.approx((4 * watts[0] + watts[1]) / 6, rel=1e-9)
+    expected = [along_the_curve(joints, leg, task, duration) for leg in range(4)]
+    assert joules(swings["heat"], task, duration) == pytest.approx(expected, rel=1e-6)
+    assert joints.swings(task, np.full(4, duration), APEX) == pytest.approx(sum(expected), rel=1e-6)
+
+
+@given(task=commands, duration=durations)
+def test_work_of_swings_is_that_of_the_curve_that_is_followed(energy: Scenario, task: Task, duration: float) -> None:
+    joints = joints_of(energy, WORK)
+    expected = sum(along_the_curve(joints, leg, task, duration) for leg in range(4))
+    assert joints.swings(task, np.full(4, duration), APEX) == pytest.approx(expected, rel=1e-3)
+
+
+@given(task=commands, duration=durations)
+def test_swings_cost_the_check_what_they_cost_the_problem(
+    energy: Scenario, swings: Swings, task: Task, duration: float
+) -> None:
+    """As far as the problem's few points see where power changes its sign."""
+    expected = joints_of(energy, energy.objective).swings(task, np.full(4, duration), APEX)
+    assert joules(swings["both"], task, duration).sum() == pytest.approx(expected, rel=AGREED)
+
+
+@given(task=commands, duration=durations)
+def test_a_shorter_swing_is_dearer(swings: Swings, task: Task, duration: float) -> None:
+    for name in ("heat", "work"):
+        assert (joules(swings[name], task, 0.8 * duration) > joules(swings[name], task, duration)).all(), name
+
+
+@given(task=commands, duration=durations)
+def test_the_mirrored_leg_swings_the_mirrored_way_as_dear(
+    energy: Scenario, swings: Swings, task: Task, duration: float
+) -> None:
+    image = joules(swings["both"], task.mirrored(), duration)[list(energy.robot.mirror_permutation)]
+    assert image == pytest.approx(joules(swings["both"], task, duration), rel=1e-9)
+
+
+def test_in_a_turn_outer_legs_swing_further(swings: Swings) -> None:
+    """To the left, where the right one's way is a half longer."""
+    left, right = joules(swings["heat"], TASK.replaced(yaw_rate=0.8), 0.2)[:2]
+    assert left < 0.8 * right
+
+
+def test_bounds_fix_the_contacts_of_a_pattern(problem: GaitProblem) -> None:
+    bounds, layout = problem.bounds(WALK), problem.layout
+    for leg, row in enumerate(WALK.rows):
+        np.testing.assert_array_equal(bounds.lower[layout.contacts(leg)], [float(digit) for digit in row])
+    contacts = slice(layout.fractions.stop, layout.nw)
+    np.testing.assert_array_equal(bounds.upper[contacts], bounds.lower[contacts])
+
+
+@pytest.mark.parametrize("text", ["1110/1011/1011", "11100/10111/10111/11100"])
+def test_a_pattern_of_another_shape_is_refused(problem: GaitProblem, text: str) -> None:
+    with pytest.raises(ValueError, match="the scenario has 4 and 4"):
+        problem.bounds(Pattern.from_text(text))
+
+
+def test_contacts_are_in_w_for_energy_only(energy: Scenario, problem: GaitProblem) -> None:
+    other = energy.model_copy(update={"objective": Objective(force=1.0)})
+    assert problem.layout.nw == layout_of(other).nw + 16 == problem.nlp.numel_in(0)
+
+
+def packed(problem: GaitProblem, motion: Trajectory, pattern: Pattern) -> Array:
+    """The scaled decision vector of a motion, with the contacts of a pattern."""
+    layout = problem.layout
+    w, contacts = layout.pack(motion, TASK.cycle_duration), slice(layout.fractions.stop, layout.nw)
+    w[contacts] = problem.bounds(pattern).lower[contacts]
+    return w
 
 
 @pytest.mark.parametrize("axes", [{}, {"yaw_rate": 0.7, "lateral_speed": 0.2}], ids=["straight", "turning"])
@@ -192,12 +255,16 @@ def test_mirror_images_cost_the_same(energy: Scenario, axes: dict[str, float]) -
         **{name: getattr(motion, name)[:, swap] * flip for name in ("feet", "forces", "end_forces", "foot_velocities")},
     )
     image.base[:, 3:6] = motion.base[:, 3:6] * [-1.0, 1.0, -1.0]
-    one, other = (
-        float(problem.nlp(layout.pack(each, 0.6), when.parameters)[0])
-        for each, when in ((motion, task), (image, task.mirrored()))
-    )
+    pattern = Pattern.from_text("1110/1011/0011/1100")
+    mirrored = Pattern.from_text("/".join(pattern.rows[leg] for leg in swap))
+    one, other, astray = (
+        float(problem.nlp(packed(problem, each, kept), when.parameters)[0])
+        for each, kept, when in (
+            (motion, pattern, task), (image, mirrored, task.mirrored()), (image, mirrored, task)
+        )
+    )  # fmt: skip
     assert other == pytest.approx(one, rel=1e-9)
-    assert float(problem.nlp(layout.pack(image, 0.6), task.parameters)[0]) != pytest.approx(one, rel=1e-6) or not axes
+    assert astray != pytest.approx(one, rel=1e-6) or not axes
 
 
 def glide(problem: GaitProblem, task: Task) -> Trajectory:
@@ -209,10 +276,9 @@ def glide(problem: GaitProblem, task: Task) -> Trajectory:
 
 
 def both_costs(problem: GaitProblem, motion: Trajectory, task: Task) -> tuple[float, float]:
-    """The program's and the check's."""
-    w = problem.layout.pack(motion, task.cycle_duration)
-    found = float(problem.nlp(w, task.parameters)[0]) * problem.cost_scale
-    return found, check.cost(problem.scenario.as_data(), motion, task)
+    """The program's and the check's, of WALK."""
+    found = float(problem.nlp(packed(problem, motion, WALK), task.parameters)[0]) * problem.cost_scale
+    return found, check.cost(problem.scenario.as_data(), motion, task, WALK.text)
 
 
 def test_held_forces_count_over_their_own_step(energy: Scenario) -> None:
@@ -227,16 +293,40 @@ def test_held_forces_count_over_their_own_step(energy: Scenario) -> None:
     assert found == pytest.approx(expected, rel=1e-3)
 
 
-def test_a_hop_costs_in_a_turn_what_it_costs_straight_on(energy: Scenario) -> None:
-    """A foot that goes up and down on the spot of a body that turns: against what is beside it, not the centre."""
-    problem = transcribe(with_axes(energy, yaw_rate=RANGE).model_copy(update={"objective": WORK}))
-    costs = []
-    for task in (TASK, TASK.replaced(yaw_rate=0.8)):
-        motion = glide(problem, task)
-        motion.foot_velocities[..., 2] = np.sin(2 * np.pi * motion.times[1:] / task.cycle_duration)[:, None]
-        costs += both_costs(problem, motion, task)
-    assert costs[0] > 0.1
-    assert costs == pytest.approx([costs[0]] * 4, rel=1e-3)
+@pytest.mark.parametrize("axes", [{}, {"yaw_rate": 0.7, "lateral_speed": -0.2}], ids=["straight", "turning"])
+def test_legs_without_forces_cost_their_swings(energy: Scenario, axes: dict[str, float]) -> None:
+    """Phases of 0.15 s: LF and RH swing in the last one, RF and LH in the second one."""
+    scenario = with_axes(energy, **dict.fromkeys(axes, RANGE))
+    problem = transcribe(scenario.model_copy(update={"objective": HEAT}))
+    task, joints = TASK.replaced(**axes), joints_of(energy, HEAT)
+    expected = sum(along_the_curve(joints, leg, task, 0.15) for leg in range(4))
+    assert both_costs(problem, glide(problem, task), task) == pytest.approx((expected, expected), rel=1e-6)
+
+
+def test_swings_last_as_long_as_all_their_phases(energy: Scenario) -> None:
+    """Of two legs they go over the cycle's end, of the others they are its first and its last phase."""
+    problem = transcribe(energy.model_copy(update={"objective": HEAT}))
+    lasting, pattern = np.array([0.1, 0.2, 0.12, 0.18]), Pattern.from_text("0110/0111/1110/0110")
+    motion = glide(problem, TASK)
+    motion = replace(motion, durations=lasting, times=problem.layout.times(lasting))
+    joints = joints_of(energy, HEAT)
+    expected = sum(along_the_curve(joints, leg, TASK, each) for leg, each in enumerate((0.28, 0.1, 0.18, 0.28)))
+    found = float(problem.nlp(packed(problem, motion, pattern), TASK.parameters)[0]) * problem.cost_scale
+    assert found == pytest.approx(expected, rel=1e-6)
+    assert check.cost(problem.scenario.as_data(), motion, TASK, pattern.text) == pytest.approx(expected, rel=1e-6)
+
+
+def test_how_the_programs_own_feet_move_in_the_air_costs_nothing(problem: GaitProblem) -> None:
+    motion = glide(problem, TASK)
+    costs = both_costs(problem, motion, TASK)
+    motion.foot_velocities[:] += np.random.default_rng(0).uniform(-1, 1, motion.foot_velocities.shape)
+    motion.feet[:] += 0.01
+    assert both_costs(problem, motion, TASK) == pytest.approx(costs, rel=1e-9)
+
+
+def test_the_checks_cost_of_energy_needs_the_pattern(problem: GaitProblem) -> None:
+    with pytest.raises(ValueError, match="the cost of an objective of energy needs the pattern as well"):
+        check.cost(problem.scenario.as_data(), glide(problem, TASK), TASK)
 
 
 def test_a_solved_motion_is_feasible_and_costs_what_the_check_finds(energy: Scenario, solved: Attempt) -> None:
@@ -244,7 +334,7 @@ def test_a_solved_motion_is_feasible_and_costs_what_the_check_finds(energy: Scen
     data = energy.as_data()
     found = check.violations(data, solved.trajectory, TASK, WALK.text)
     assert max(found.values()) <= check.FEASIBLE and "swing clearance" in found
-    assert check.cost(data, solved.trajectory, TASK) == pytest.approx(solved.cost, rel=1e-2)
+    assert check.cost(data, solved.trajectory, TASK, WALK.text) == pytest.approx(solved.cost, rel=1e-2)
 
 
 def test_solved_swings_clear_the_ground_in_their_middle(energy: Scenario, solved: Attempt) -> None:
