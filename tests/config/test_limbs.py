@@ -68,6 +68,7 @@ def swapped(robot: Data) -> None:
         (set_limb(0, knee="inward"), "limbs.0.knee = 'inward': Input should be 'forward' or 'backward'"),
         (set_limb(0, thigh=0.0), "limbs.0.thigh = 0.0: Input should be greater than 0"),
         (set_limb(0, shank=3.0), "limbs.0.shank = 3.0: Input should be less than 3"),
+        (set_limb(0, mass=0.0), "limbs.0.mass = 0.0: Input should be greater than 0"),
         (set_limb(0, abduction_inertia=-0.1), "limbs.0.abduction_inertia = -0.1: Input should be greater than 0"),
         (set_limb(0, hip=[0.3, 0.1]), "limbs.0.hip.2: missing"),
         (set_limb(0, calf=0.3), "limbs.0.calf = 0.3: unknown field; allowed: leg, hip, aside, below, thigh, shank,"),
@@ -135,6 +136,10 @@ def in_the_plane(data: Data) -> None:
             "objective.joint_work = 1, joint_heat = 0.02: need another transcription.integrator than euler, such as",
         ),
         (
+            lambda data: data.update(stances_per_leg=None),
+            "objective.joint_work = 1, joint_heat = 0.02: need stances_per_leg = 1, as a leg's swing is one",
+        ),
+        (
             lambda data: data["tasks"]["axes"].update(acceleration=0.5),
             "tasks.axes.acceleration: its energy is not modelled; leave the axis or the energy out",
         ),
@@ -171,10 +176,11 @@ def test_a_scenario_of_energy_is_the_data_that_it_is_read_from(energy: Data) -> 
 
 @pytest.mark.parametrize("change", [
     {"swing_clearance": 0.05}, {"objective": {"joint_heat": 0.03, "joint_work": 1.0}}, {"thigh": 0.26},
+    {"mass": 3.0},
 ])  # fmt: skip
 def test_what_energy_depends_on_is_in_the_problems_digest(energy: Data, change: Data) -> None:
     before = Scenario.from_data(energy, "here").problem_digest
-    if "thigh" in change:
+    if not set(change) <= set(energy):
         robot = dict(energy["robot"])
         for index in range(4):
             set_limb(index, **change)(robot)

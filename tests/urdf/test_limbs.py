@@ -60,6 +60,7 @@ def test_limbs_by_hand(walker: list[LegChain], by_hand: Any) -> None:
     from_knee = by_hand.shank * np.cos(0.5)  # straight above the foot's knee, as seen along the line to the hip
     expected = 0.5 * np.array([[depth**2, depth * from_knee], [depth * from_knee, by_hand.shank**2]]) + 1e-4
     np.testing.assert_allclose(limb["flexion_inertia"], expected, atol=2e-6)
+    assert [each["mass"] for each in found] == pytest.approx([0.5] * 4)
     assert [each["leg"] for each in found] == ["LF", "RF", "LH", "RH"]
     assert [each["knee"] for each in found] == ["backward", "backward", "forward", "forward"]
     assert [each["aside"] > 0 for each in found] == [True, False, True, False]
