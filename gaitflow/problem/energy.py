@@ -21,7 +21,7 @@ from gaitflow.problem.orientation import world_to_base
 from gaitflow.problem.task import TaskParameters
 
 SMOOTH_POWER = 0.1  # W/kg: a hundredth of what lifting the robot at 1 m/s takes
-SWING_POINTS = 8  # of each half of a swing
+SWING_POINTS = 48  # of each half of a swing: its work has corners, where power changes its sign
 
 
 class JointCost:
