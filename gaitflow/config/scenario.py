@@ -216,6 +216,8 @@ class Scenario(Config):
             raise ValueError(f"{weights}: need another transcription.integrator than euler, such as momentum")
         if self.stances_per_leg is None:
             raise ValueError(f"{weights}: need stances_per_leg = 1, as a leg's swing is one")
+        if self.strategy.name == "bonmin":
+            raise ValueError(f"{weights}: the strategy 'bonmin' knows no swing's duration; choose another one")
         if self.tasks.varies("acceleration"):
             raise ValueError("tasks.axes.acceleration: its energy is not modelled; leave the axis or the energy out")
 

@@ -156,6 +156,10 @@ def in_the_plane(data: Data) -> None:
             "swing_clearance = 0.04: the strategy 'bonmin' knows no middle of a swing; allowed is 0",
         ),
         (
+            lambda data: [data["strategy"].update(name="bonmin"), data.update(swing_clearance=0.0)],
+            "objective.joint_work = 1, joint_heat = 0.02: the strategy 'bonmin' knows no swing's duration",
+        ),
+        (
             lambda data: data["objective"].update(joint_heat=-1.0),
             "objective.joint_heat = -1.0: Input should be greater",
         ),
