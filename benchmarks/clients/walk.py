@@ -96,16 +96,18 @@ class _Bench:
         plan = self._plans()[number]
         motion = plan.motion(plan.swing_apex, point="base")
         robot = RobotModel.of(self._description, self._scenario, motion.task)
-        rows = [self._row(robot, case, "as planned") for case in self._cases(plan)]
+        cases = list(self._cases(plan))
+        rows = [self._row(robot, case, "as planned") for case in cases]
         best = _best([row for row in rows if row["source"] == "hand-made" and row["gait"].startswith("trot")])
-        for case in self._cases(plan):
+        for case in cases:
             if case.source == "pick" or (best is not None and case.gait == best["gait"]):
                 rows += [self._row(robot, case, name) for name in DISTURBED]
         return {"at": dict(plan.task), "rows": rows}
 
     def _cases(self, plan: Plan) -> Iterator[Case]:
         yield self._planned("pick", plan)
-        others = [self.gait_map.plan(**plan.task, gait=gait.name) for gait in self.gait_map.manifest.gaits]
+        asked: dict[str, Any] = dict(plan.task)
+        others = [self.gait_map.plan(gait=gait.name, **asked) for gait in self.gait_map.manifest.gaits]
         others = [other for other in others if other.feasible and other.gait != plan.gait]
         for other in sorted(others, key=lambda other: other.cost)[:OTHER_GAITS]:
             yield self._planned("map", other)
@@ -123,7 +125,7 @@ class _Bench:
     def _row(self, robot: RobotModel, case: Case, conditions: str) -> Row:
         record = walk(robot, case.motion, CYCLES, DISTURBED.get(conditions, AS_PLANNED)).record
         heat = self._heat * record.heat / (robot.mass * GRAVITY * abs(record.distance)) if record.distance else math.inf
-        row = {"source": case.source, "gait": case.gait, "conditions": conditions, "model": case.model}
+        row: Row = {"source": case.source, "gait": case.gait, "conditions": conditions, "model": case.model}
         row |= {**record.as_data(), "energy": record.cost_of_transport + heat}
         if conditions == "as planned":
             row["crocoddyl"] = self._shot(case.motion)
