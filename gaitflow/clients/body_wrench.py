@@ -13,6 +13,7 @@ import numpy as np
 from gaitflow.clients.dynamics import Equations
 from gaitflow.clients.reference import Reference
 from gaitflow.clients.robot_model import RobotModel
+from gaitflow.clients.rotation import rotation_of
 from gaitflow.core.trajectory import Array
 
 
@@ -52,18 +53,6 @@ def body_wrench(
     turned = now @ rotation_between(orientation, state.orientation)
     moment = inertia @ (gained + gains.orientation * turned) + gains.spin * (inertia @ spin - equations.spin)
     return np.concatenate([force, moment])
-
-
-def rotation_of(orientation: Array) -> Array:
-    """The matrix [3, 3] of a unit quaternion (w, x, y, z)."""
-    w, x, y, z = orientation
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
 
 
 def rotation_between(first: Array, last: Array) -> Array:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from gaitflow.clients.body_wrench import rotation_of
 from gaitflow.clients.robot_model import PHYSICS_STEP, RobotModel
+from gaitflow.clients.rotation import rotation_of
 from gaitflow.clients.walking import Walk
 from gaitflow.core.layout import GRAVITY
 from gaitflow.motion import Motion

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from gaitflow.clients.rotation import rotation_of
 from gaitflow.core.trajectory import Array
 from gaitflow.motion import Frames, Motion, State
 from gaitflow.urdf.description import read_description
@@ -101,7 +102,7 @@ class WholeBody:
 
     def _at(self, seen: State, which: int, near: Array) -> tuple[Array, Array, Array, Array]:
         """Angles, configuration, velocity and missed feet at one of the times."""
-        turn = rotation(seen.orientation[which])
+        turn = rotation_of(seen.orientation[which])
         position, omega = seen.position[which], seen.angular_velocity[which]
         speed = seen.velocity[which] @ turn  # in the base frame, as all that follows
         feet = (seen.feet[which] - position) @ turn
@@ -191,18 +192,6 @@ def _check_same_robot(body: WholeBody, robot: Mapping[str, Any]) -> None:
         off = float(np.linalg.norm(found - known))
         if off > CLOSE:
             raise ValueError(f"{mechanism.label}: its {name} stands {off * 1e3:.0f} mm off the map's: {said}")
-
-
-def rotation(quaternion: Array) -> Array:
-    """The matrix [3, 3] that turns base vectors into the world, of a unit quaternion (w, x, y, z)."""
-    w, x, y, z = quaternion
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
 
 
 def _damped(jacobian: Array, wanted: Array, damping: float) -> Array:

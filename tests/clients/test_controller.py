@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from walking_robots import planned
 
-from gaitflow.clients.body_wrench import rotation_between, rotation_of
+from gaitflow.clients.body_wrench import rotation_between
 from gaitflow.clients.reference import Ahead, lifted_at
+from gaitflow.clients.rotation import rotation_of
 from gaitflow.clients.swing_feet import SwingFeet
 from gaitflow.motion import Motion
 
