@@ -222,6 +222,11 @@ class Scenario(Config):
             raise ValueError("tasks.axes.acceleration: its energy is not modelled; leave the axis or the energy out")
 
     @property
+    def follows_swings(self) -> bool:
+        """Whether swings are curves of a height of their own, which legs pay for and have to reach."""
+        return self.objective.energy and self.swing_clearance > 0
+
+    @property
     def problem_digest(self) -> str:
         """Digest of what a single solve depends on beside its task: robot, objective, transcription, stances."""
         return digest_of(self.problem_data)

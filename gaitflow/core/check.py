@@ -17,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitflow.core.continuous import Motion, between_knots, cost, seen_from_frame, step_gaps, step_shares
+from gaitflow.core.joints import Joints
 from gaitflow.core.rigid_body import Attitude, RigidBody, moment
+from gaitflow.core.swing_reach import reach_excess
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array, Trajectory
 
@@ -47,6 +49,9 @@ def violations(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task, 
         return {"not a number": math.inf}
     with np.errstate(all="ignore"):
         found = _found(scenario, trajectory, task, stance)
+        if scenario.get("swing_clearance") and Joints.of(scenario) is not None:
+            body = RigidBody.of(scenario["robot"], task)
+            found["swing reach"] = reach_excess(scenario, body, trajectory, task, pattern)
     return {kind: math.inf if math.isnan(value) else value for kind, value in found.items()}
 
 

@@ -49,6 +49,12 @@ class Limb:
             inertia=inertia,
         )
 
+    def length(self, foot: Array) -> Array:
+        """From hip to foot, over thigh and shank together, of a foot at places [..., 3] m of the base frame."""
+        x, y, z = np.moveaxis(foot - self.hip, -1, 0)
+        down = np.sqrt(np.maximum(y**2 + z**2 - self.aside**2, 0.0)) - self.below
+        return np.asarray(np.hypot(x, down) / (self.thigh + self.shank))
+
     def jacobian(self, foot: Array) -> Array:
         """Of a foot at places [..., 3] m of the base frame, by the joints' angles [..., 3, 3]."""
         x, y, z = np.moveaxis(foot - self.hip, -1, 0)

@@ -11,6 +11,7 @@ from gaitflow.core.gaits import Pattern
 from gaitflow.core.layout import Layout
 from gaitflow.core.trajectory import Array
 from gaitflow.problem import contact, timing
+from gaitflow.problem.reach import PARTS
 
 
 @dataclass(frozen=True)
@@ -58,12 +59,13 @@ def physical_bounds(scenario: Scenario, layout: Layout) -> Bounds:
     box = np.tile(robot.box, looks * layout.legs)
     cones = _force_nodes(layout) * layout.legs * 2 * (d - 1)
     speeds = np.full(layout.steps * layout.legs * 2 if turning else 0, robot.max_foot_speed)
+    reaches = _reach_rows(scenario, layout)
     defects, closing = np.zeros(layout.steps * layout.nx), np.zeros(layout.nx + 1)
     return Bounds(
         lower,
         upper,
-        np.concatenate([defects, -box, np.full(cones, -np.inf), -speeds, closing]),
-        np.concatenate([defects, box, np.zeros(cones), speeds, closing]),
+        np.concatenate([defects, -box, np.full(cones, -np.inf), -speeds, np.full(reaches, -np.inf), closing]),
+        np.concatenate([defects, box, np.zeros(cones), speeds, np.zeros(reaches), closing]),
     )
 
 
@@ -72,9 +74,17 @@ def _force_nodes(layout: Layout) -> int:
     return layout.steps + (layout.phases if layout.linear_forces else 0)
 
 
-def constant_rows(layout: Layout, pattern: Pattern, rows: int, turning: bool) -> Array:
-    """Mask [ng] of the rows that a pattern makes constant: foot height and speed in stance, friction in swing."""
-    d, steps = layout.dimension, layout.steps
+def _reach_rows(scenario: Scenario, layout: Layout) -> int:
+    """How many rows limit the legs' reach in swings."""
+    return layout.legs * layout.phases * len(PARTS) if scenario.follows_swings else 0
+
+
+def constant_rows(scenario: Scenario, layout: Layout, pattern: Pattern, rows: int) -> Array:
+    """Mask [ng] of the rows that say nothing of a pattern.
+
+    Constant ones, as foot height and speed in stance and friction in swing, and reach where no swing begins or ends.
+    """
+    d, steps, turning = layout.dimension, layout.steps, scenario.tasks.varies("yaw_rate")
     columns = np.array([pattern.column(layout.phase_of(k)) for k in range(steps)], dtype=bool)
     defects = np.zeros((steps, layout.nx), dtype=bool)
     heights = layout.nb + d * np.arange(layout.legs) + d - 1
@@ -87,5 +97,10 @@ def constant_rows(layout: Layout, pattern: Pattern, rows: int, turning: bool) ->
     speeds = np.repeat(columns, 2, axis=1) if turning else np.zeros(0, dtype=bool)
     closing = np.zeros(layout.nx + 1, dtype=bool)
     closing[heights] = columns[0] | columns[-1]
-    offsets = np.zeros(rows - defects.size - cones.size - speeds.size - closing.size, dtype=bool)
-    return np.concatenate([defects.ravel(), offsets, cones.ravel(), speeds.ravel(), closing])
+    reaches = np.zeros(0, dtype=bool)
+    if scenario.follows_swings:
+        stands = np.array([[digit == "1" for digit in row] for row in pattern.rows])
+        reaches = np.repeat(stands == np.roll(stands, -1, axis=1), len(PARTS))
+    after = [cones.ravel(), speeds.ravel(), reaches, closing]
+    offsets = np.zeros(rows - defects.size - sum(map(len, after)), dtype=bool)
+    return np.concatenate([defects.ravel(), offsets, *after])

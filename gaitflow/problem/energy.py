@@ -55,8 +55,7 @@ class JointCost:
         Over the ground a minimum-jerk line as long as a cycle's way, in height such a piece up to `apex` [m] and one
         down, against the leg's place in a body that moves as commanded; and the leg's mass lifted by half the apex.
         """
-        cycle, (x, y, _) = task["cycle_duration"], self._feet[leg]
-        passing = task.velocity(cycle / 2, 3) + task["yaw_rate"] * ca.DM([-y, x, 0.0])
+        cycle, passing = task["cycle_duration"], task.passing(self._feet[leg])
         rates, torques = self._standing[leg]
         cost = ca.SX(self._objective.joint_work * self._limbs[leg].mass * GRAVITY * apex / 2)
         for part, weight in zip(*_gauss(SWING_POINTS), strict=True):

@@ -64,6 +64,11 @@ class LegPose:
         (a, b), (_, c) = self._limb.flexion_inertia
         return ca.vertcat(self._limb.abduction_inertia * abduction, a * hip + b * knee, b * hip + c * knee)
 
+    @property
+    def length(self) -> ca.SX:
+        """From hip to foot, over thigh and shank together: 1 is a straight knee."""
+        return ca.sqrt(self._x**2 + self._z**2) / (self._limb.thigh + self._limb.shank)
+
     @cached_property
     def _knee(self) -> tuple[ca.SX, ca.SX]:
         """Where the knee is in the plane, by the law of cosines."""

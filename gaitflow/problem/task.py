@@ -6,6 +6,7 @@ feet are the first ones moved by F(T) (section III.B.1, for more than forward sp
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import casadi as ca
@@ -38,6 +39,11 @@ class TaskParameters:
         """Commanded velocity [d] m/s in the frame's own directions: forward, left, up."""
         forward = self["speed"] + self["acceleration"] * (time - self["cycle_duration"] / 2)
         return ca.vertcat(forward, 0) if dimension == 2 else ca.vertcat(forward, self["lateral_speed"], 0)
+
+    def passing(self, place: Sequence[float]) -> ca.SX:
+        """Mean commanded velocity [3] m/s of a place (x, y) of the frame, in its directions; in space."""
+        x, y = place[0], place[1]
+        return self.velocity(self["cycle_duration"] / 2, 3) + self["yaw_rate"] * ca.DM([-y, x, 0.0])
 
     def displacement(self, time: ca.SX) -> tuple[ca.SX, ca.SX]:
         """Where the frame's origin is at a time [s], (x, y) m, by the exponential of the mean twist."""

@@ -23,6 +23,7 @@ from gaitflow.problem.bounds import Bounds, constant_rows, physical_bounds
 from gaitflow.problem.dynamics import Body, Node, body_of, node
 from gaitflow.problem.energy import JointCost
 from gaitflow.problem.objectives import StepCost
+from gaitflow.problem.reach import reach_rows
 from gaitflow.problem.step import base_defects
 from gaitflow.problem.task import TaskParameters, task_parameters
 
@@ -35,7 +36,8 @@ class GaitProblem:
     minlp: (w [nw + legs*phases], task [axes]) -> (cost [1], rows [ng_minlp]); the contacts follow w, leg-major.
     Rows come in groups: defects [K, nx], foot offsets at knots [K, legs*d] and, but for euler, in the middle of steps
     [K, legs*d], friction [force nodes, legs*2(d-1)], where the command may turn horizontal foot velocities
-    [K, legs*2], periodicity [nx], cycle [1]; the minlp has big-M rows [K, legs*(2d+2)], those of end forces
+    [K, legs*2], where energy has a swing clearance the legs' reach [legs, phases, parts], periodicity [nx], cycle [1];
+    the minlp has big-M rows [K, legs*(2d+2)], those of end forces
     [phases, legs], and, with one stance per leg, stance rows after them.
     """
 
@@ -69,7 +71,7 @@ class GaitProblem:
         lower, upper = self._free.lower.copy(), self._free.upper.copy()
         contact.fix_contacts(layout, pattern, lower, upper, self.scenario.swing_clearance)
         lower_rows, upper_rows = self._free.lower_rows.copy(), self._free.upper_rows.copy()
-        constant = constant_rows(layout, pattern, self.ng, self.scenario.tasks.varies("yaw_rate"))
+        constant = constant_rows(self.scenario, layout, pattern, self.ng)
         lower_rows[constant], upper_rows[constant] = -np.inf, np.inf
         return Bounds(lower, upper, lower_rows, upper_rows)
 
@@ -183,8 +185,9 @@ def _terms(scenario: Scenario, layout: Layout, w: ca.SX, parameters: ca.SX) -> t
             speeds += [velocity[:-1] for velocity in _foot_velocities(layout, w, task, times, k)]
     if objective.energy:
         cost += _energy(scenario, layout, w, task, nodes, times)
+    reaches = _reaches(scenario, layout, w, task, nodes, times) if scenario.follows_swings else []
     closing = periodicity.periodicity_rows(layout, w[layout.state(0)], w[layout.state(layout.steps)], task)
-    return cost, [*defects, *offsets, *between, *cones, *speeds, closing, timing.cycle_row(fractions)]
+    return cost, [*defects, *offsets, *between, *cones, *speeds, *reaches, closing, timing.cycle_row(fractions)]
 
 
 def _energy(
@@ -202,6 +205,22 @@ def _energy(
         swinging = ca.dot(w[layout.fractions], 1 - w[layout.contacts(leg)])
         cost += joints.swing(leg, task, task["cycle_duration"] * swinging, scenario.swing_clearance)
     return cost
+
+
+def _reaches(
+    scenario: Scenario, layout: Layout, w: ca.SX, task: TaskParameters, nodes: _Nodes, times: list[ca.SX]
+) -> list[ca.SX]:
+    """The reach of every leg at the end of every phase; a row means something where the leg's contact changes."""
+    rows = []
+    for leg, (limb, own) in enumerate(zip(scenario.robot.limbs or (), scenario.robot.legs, strict=True)):
+        contacts = w[layout.contacts(leg)]
+        swing = task["cycle_duration"] * ca.dot(w[layout.fractions], 1 - contacts)
+        for phase in range(layout.phases):
+            last = (phase + 1) * layout.knots_per_phase - 1
+            way = task.out_of_frame(task.passing(own.default_foot), times[last + 1]) * task["cycle_duration"]
+            side = contacts[phase] - contacts[(phase + 1) % layout.phases]
+            rows.append(reach_rows(limb, nodes.end(last), leg, way, swing, side, scenario.swing_clearance))
+    return rows
 
 
 def _foot_velocities(layout: Layout, w: ca.SX, task: TaskParameters, times: list[ca.SX], step: int) -> list[ca.SX]:

@@ -1,0 +1,38 @@
+"""J4: legs are long enough for the swings that are followed.
+
+A foot leaves the ground from rest, so the body runs ahead of it at first, and before it touches down it waits for the
+body. There, outside the kinematic box, a leg is at its longest. Simulated robots of all gaits walk while no leg
+stretches beyond STRETCH, and fall where the curve asks for straight knees.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+
+from gaitflow.config.limbs import Limb
+from gaitflow.problem.dynamics import Node
+from gaitflow.problem.limb import LegPose
+from gaitflow.problem.orientation import world_to_base
+
+STRETCH = 0.96  # of thigh and shank together: a knee that is bent by 32 degrees
+PARTS = (0.1, 0.15, 0.2)  # of a swing after its start and before its end: where a leg is at its longest
+
+
+def reach_rows(limb: Limb, node: Node, leg: int, way: ca.SX, swing: ca.SX, side: ca.SX, apex: float) -> ca.SX:
+    """How much longer a leg is than STRETCH allows at PARTS of a swing [parts], over that; asks for <= 0.
+
+    node: where the foot lifts off (side 1) or touches down (side -1). The body goes on, or came, at its velocity there;
+    the foot goes a cycle's way [3] m in `swing` [s], up to `apex` [m] and down.
+    """
+    into_base = world_to_base(node.angles)
+    rows = []
+    for part in PARTS:
+        moved = side * (way * _minimum_jerk(part) - node.velocity * (part * swing))
+        foot = node.feet[leg] + moved + ca.DM([0.0, 0.0, apex * _minimum_jerk(2 * part)])
+        rows.append(LegPose(limb, into_base @ (foot - node.position)).length / STRETCH - 1)
+    return ca.vertcat(*rows)
+
+
+def _minimum_jerk(x: float) -> float:
+    """The smoothest way from 0 to 1."""
+    return x**3 * (10 - 15 * x + 6 * x**2)
