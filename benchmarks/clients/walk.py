@@ -25,6 +25,7 @@ from gaitflow.clients.simulation import AS_PLANNED, Conditions, Push
 from gaitflow.clients.walking import walk
 from gaitflow.clients.whole_body import WholeBody, load_whole_body
 from gaitflow.config.scenario import Scenario
+from gaitflow.core import check
 from gaitflow.core.layout import GRAVITY
 from gaitflow.motion import Motion
 from gaitflow.runtime import GaitMap, Plan
@@ -47,8 +48,8 @@ DISTURBED: dict[str, Conditions] = {
 NOTES = (
     "cost_of_transport: positive mechanical work of all joints over m g distance; energy: with the heat of torques, "
     "tau^2 times a tenth of (speed limit / effort limit) of the hip flexion motor, the same rule for every robot",
-    "model: the map's own cost over m g times the commanded distance, a cost of transport only where its objective is "
-    "energy",
+    "model: the map's objective of the motion that is followed, over m g times the commanded distance; a cost of "
+    "transport only where that is energy; kendall: over all gaits of a task that walk, and over the map's own alone",
     "all gaits are followed by the same controller, with swings of the same height; two cycles, then ten are measured",
     "a gait that does not walk is dearer than any that does; the best trot is the best hand-made one that walks",
     "crocoddyl: FDDP's final cost of two cycles of the same motion, null where it finds none",
@@ -56,11 +57,11 @@ NOTES = (
 
 
 class Case(NamedTuple):
-    """A gait to walk in: where it comes from, its name, the model's cost of transport if it has one, its motion."""
+    """A gait to walk in: where it comes from, its name, what the map's objective says of it, its motion."""
 
     source: Literal["pick", "map", "hand-made"]
     gait: str
-    model: float | None
+    model: float
     motion: Motion
 
 
@@ -114,13 +115,17 @@ class _Bench:
         task = plan.motion().task
         for kind, duty in HAND_MADE:
             motion = default_motion(self._scenario, kind, task, duty, plan.swing_apex)
-            yield Case("hand-made", f"{kind} of duty {duty:g}", None, motion)
+            cost = check.cost(self._scenario, motion.trajectory, task, motion.pattern)
+            yield Case("hand-made", f"{kind} of duty {duty:g}", cost / self._weight_moved(motion), motion)
 
     def _planned(self, source: Literal["pick", "map"], plan: Plan) -> Case:
         motion = plan.motion(plan.swing_apex, point="base")
+        return Case(source, plan.gait, plan.cost / self._weight_moved(motion), motion)
+
+    def _weight_moved(self, motion: Motion) -> float:
+        """m g times the distance [J] of a cycle."""
         away = math.hypot(motion.task["speed"], motion.task["lateral_speed"]) * motion.period
-        weight = float(self._scenario["robot"]["mass"]) * GRAVITY
-        return Case(source, plan.gait, plan.cost / (weight * away), motion)
+        return float(self._scenario["robot"]["mass"]) * GRAVITY * away
 
     def _row(self, robot: RobotModel, case: Case, conditions: str) -> Row:
         record = walk(robot, case.motion, CYCLES, DISTURBED.get(conditions, AS_PLANNED)).record
@@ -160,6 +165,7 @@ def summary(rows: Sequence[Row]) -> dict[str, Any]:
         "regret_median": _median([each["regret"] for each in judged]),
         "regret_worst": max((each["regret"] for each in judged if each["regret"] is not None), default=None),
         "kendall_median": _median([each["kendall"] for each in judged]),
+        "kendall_of_own_median": _median([each["kendall_of_own"] for each in judged]),
         "energy_of_picks_median": _median([each["energy"] for each in judged]),
         "crocoddyl_over_best_trot_median": _median([each["crocoddyl"] for each in judged]),
         "walked": {
@@ -181,8 +187,7 @@ def _judge(group: Sequence[Row]) -> dict[str, Any]:
     """One task: how the map's pick did among all."""
     pick = next(row for row in group if row["source"] == "pick")
     best, trot = _best(group), _best([row for row in group if _source(row) == "trot"])
-    own = [row for row in group if row["model"] is not None and row["walked"]]
-    ranks = kendalltau([row["model"] for row in own], [row["energy"] for row in own])[0] if len(own) > 2 else None
+    all_walked = [row for row in group if row["walked"]]
     walked = bool(pick["walked"])
     shots = [row["crocoddyl"] for row in group if _source(row) == "trot" and row["crocoddyl"] is not None]
     return {
@@ -192,9 +197,18 @@ def _judge(group: Sequence[Row]) -> dict[str, Any]:
         "near": walked and best is not None and pick["energy"] <= (1 + NEAR) * best["energy"],
         "over_trot": pick["energy"] / trot["energy"] if walked and trot is not None else None,
         "regret": pick["energy"] / best["energy"] - 1 if walked and best is not None else None,
-        "kendall": None if ranks is None or math.isnan(ranks) else float(ranks),
+        "kendall": _rank_correlation(all_walked),
+        "kendall_of_own": _rank_correlation([row for row in all_walked if row["source"] != "hand-made"]),
         "crocoddyl": pick["crocoddyl"] / min(shots) if shots and pick["crocoddyl"] is not None else None,
     }
+
+
+def _rank_correlation(rows: Sequence[Row]) -> float | None:
+    """Kendall's tau of the model's cost and the energy, None for fewer than three."""
+    if len(rows) < 3:
+        return None
+    tau = float(kendalltau([row["model"] for row in rows], [row["energy"] for row in rows])[0])
+    return None if math.isnan(tau) else tau
 
 
 def _by_task(rows: Sequence[Row]) -> list[list[Row]]:

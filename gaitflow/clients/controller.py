@@ -2,7 +2,7 @@
 
 It knows the robot's state and which feet touch. Contact forces are those that steer the body, feet in the air follow
 the motion's swings, and footholds are moved as the body is off its path and its speed, so that a push is caught by a
-step (Raibert's rule at the gain of the capture point).
+step, a little beyond the capture point.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from gaitflow.clients.body_wrench import BodyGains, body_wrench, heading
 from gaitflow.clients.contact_forces import contact_forces
 from gaitflow.clients.dynamics import Dynamics
-from gaitflow.clients.reference import Ahead, Followed, Reference
+from gaitflow.clients.reference import Ahead, Followed, Reference, stance_durations
 from gaitflow.clients.robot_model import RobotModel
 from gaitflow.clients.simulation import Measured
 from gaitflow.clients.swing_feet import SwingFeet
@@ -45,12 +45,14 @@ class Controller:
     def __init__(self, robot: RobotModel, motion: Followed, time: float = 0.0, gains: Gains | None = None) -> None:
         self._robot, self._gains = robot, gains or Gains()
         self._dynamics = Dynamics(robot)
-        self._ahead = Ahead(motion, CONTROL_STEP)
         self._feet = SwingFeet(np.stack([leg.standing for leg in robot.legs]), motion, time)
+        self._catch = np.sqrt(robot.height / GRAVITY)  # s, in which a robot falls e times farther
+        self.follow(motion, time)
 
-    def follow(self, motion: Followed) -> None:
-        """Follow another motion from now on, which should be where the one before is."""
+    def follow(self, motion: Followed, time: float) -> None:
+        """Follow another motion from a time [s] on, which should be where the one before is."""
         self._ahead = Ahead(motion, CONTROL_STEP)
+        self._gain = 1.0 / -np.expm1(-stance_durations(motion, time) / self._catch)
 
     def reference(self, time: float) -> Reference:
         """What is followed at a time [s]."""
@@ -77,9 +79,13 @@ class Controller:
         return contact_forces(robot, equations, feet.standing, accelerations, wrench, state.forces).torque
 
     def _step(self, state: State, measured: Measured) -> Array:
-        """How far footholds are moved [3] m."""
-        capture = np.sqrt(self._robot.height / GRAVITY)
-        ahead = measured.position[:3] - state.position + capture * (measured.velocity[:3] - state.velocity)
-        ahead[2] = 0.0
+        """How far footholds are moved [legs, 3] m.
+
+        A step to the capture point keeps a robot as far off as it is; one beyond it lets the robot fall back, to the
+        path at the end of the leg's stance.
+        """
+        ahead = measured.position[:3] - state.position + self._catch * (measured.velocity[:3] - state.velocity)
+        steps = self._gain[:, None] * (ahead * [1.0, 1.0, 0.0])
         farthest = self._gains.farthest_step * self._robot.height
-        return np.asarray(ahead * min(1.0, farthest / max(float(np.linalg.norm(ahead)), 1e-9)))
+        lengths = np.linalg.norm(steps, axis=1, keepdims=True)
+        return np.asarray(steps * np.minimum(1.0, farthest / np.maximum(lengths, 1e-9)))

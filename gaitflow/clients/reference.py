@@ -60,3 +60,12 @@ def lifted_at(motion: Followed, time: float, contact: NDArray[np.bool_], longest
     last = np.where(stood.any(axis=0), stood.argmax(axis=0), len(times) - 1)
     lifted: Array = np.where(contact, time, times[last])
     return lifted
+
+
+def stance_durations(motion: Followed, time: float, ahead: float = 2.0) -> Array:
+    """How long the legs stand from a time [s] on, in the mean over about `ahead` s [legs] s."""
+    step = 0.005
+    contact = motion.sample(time + step * np.arange(int(ahead / step))).contact
+    changes = (contact[:-1] != contact[1:]).sum(axis=0)  # two a stance
+    mean: Array = 2 * step * contact.sum(axis=0) / np.maximum(changes, 1)
+    return mean

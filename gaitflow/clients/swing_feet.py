@@ -50,7 +50,7 @@ class SwingFeet:
     def targets(
         self, time: float, state: State, touching: Contacts, centres: Array, shift: Array, yaw: float
     ) -> FootTargets:
-        """At a time [s], for balls at centres [legs, 3] m; shift [3] m moves all footholds that are still to come."""
+        """At a time [s], for balls at centres [legs, 3] m; shift [legs, 3] m moves footholds that are still to come."""
         cos, sin = np.cos(yaw), np.sin(yaw)
         turned = self._offsets @ np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
         planned = state.feet + turned
@@ -64,7 +64,7 @@ class SwingFeet:
         early = ~state.contact & touching & (part > EARLY)
         stays = self._standing & (time - self._touched < LOST)
         self._standing = np.where(state.contact, touching | stays, early | (stays & (part > EARLY)))
-        self._shift[~state.contact] = shift
+        self._shift[~state.contact] = shift[~state.contact]
         eased, pace, gain = minimum_jerk(part)
         rate = np.where(part < 1.0, 1.0 / np.where(np.isfinite(swing), swing, 1.0), 0.0)
         off = self._shift - self._leaving

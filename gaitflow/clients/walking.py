@@ -71,7 +71,7 @@ class Walker:
     def follow(self, motion: Followed) -> None:
         """Follow another motion from now on."""
         self.motion = motion
-        self.controller.follow(motion)
+        self.controller.follow(motion, self.time)
 
     @property
     def time(self) -> float:

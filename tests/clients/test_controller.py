@@ -5,7 +5,7 @@ import pytest
 from walking_robots import planned
 
 from gaitflow.clients.body_wrench import rotation_between
-from gaitflow.clients.reference import Ahead, lifted_at
+from gaitflow.clients.reference import Ahead, lifted_at, stance_durations
 from gaitflow.clients.rotation import rotation_of
 from gaitflow.clients.swing_feet import SwingFeet
 from gaitflow.motion import Motion
@@ -29,10 +29,17 @@ def test_feet_in_the_air_lifted_off_at_the_end_of_their_stance() -> None:
     assert lifted_at(motion, swinging, contact)[0] == pytest.approx(stance.end, abs=0.01)
 
 
+def test_stances_last_as_long_as_the_plan_says() -> None:
+    motion = planned("anymal", 0.6, 0.6)
+    expected = [motion.phases(leg)[0].end - motion.phases(leg)[0].start for leg in motion.leg_names]
+    for time in (0.0, 0.25, 17.0):
+        assert stance_durations(motion, time, ahead=6.0) == pytest.approx(expected, rel=0.03)
+
+
 def feet_at(motion: Motion, time: float, touching: list[bool], shift: float = 0.0, start: float | None = None):
     feet = SwingFeet(np.zeros((4, 3)), motion, time if start is None else start)
     state = motion.at(time)
-    return state, feet.targets(time, state, np.array(touching), state.feet, np.array([shift, 0.0, 0.0]), 0.0)
+    return state, feet.targets(time, state, np.array(touching), state.feet, np.tile([shift, 0.0, 0.0], (4, 1)), 0.0)
 
 
 def test_foot_that_touches_late_in_its_swing_stands() -> None:
@@ -47,7 +54,7 @@ def test_foot_that_misses_the_ground_goes_on_down() -> None:
     motion = planned("anymal", 0.6, 0.6)
     feet = SwingFeet(np.zeros((4, 3)), motion, 0.1)
     state = motion.at(0.2)
-    found = feet.targets(0.2, state, np.array([False, True, True, True]), state.feet, np.zeros(3), 0.0)
+    found = feet.targets(0.2, state, np.array([False, True, True, True]), state.feet, np.zeros((4, 3)), 0.0)
     assert not found.standing[0] and found.standing[1:].all()
     assert found.velocities[0, 2] < -0.1
 
