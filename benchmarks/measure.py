@@ -10,7 +10,7 @@ from typing import Any
 
 import pandas as pd
 
-from benchmarks.clients import starts, walk
+from benchmarks.clients import drive, starts, walk
 from benchmarks.infrastructure import faults, overhead, speedup, store
 from benchmarks.online import cpp, map, online, select
 from benchmarks.paper import discovery, minlp, phases, ranking, stances, table1, table2
@@ -54,6 +54,7 @@ def measure(
         "discovery": lambda: discovery.run(
             scenario, seed=seed, runs=runs, map_cpu_s=_map_cpu(workspace, scenario), **own
         ),
+        "drive": lambda: drive.run(resolve(workspace.models / scenario.name), seed=seed, **own),
         "faults": partial(faults.faults, scenario, tasks or 12, 20, seed),
         "map": partial(_map, workspace, scenario),
         "mesh": lambda: mesh.run(scenario, seed=seed, runs=runs, **own),

@@ -13,9 +13,8 @@ from gaitflow.cli.options import json_option
 from gaitflow.pipeline.workspace import Workspace
 
 BENCHES = (
-    "certificate", "clients", "cpp", "discovery", "faults", "map", "mesh", "minlp", "online", "overhead", "phases",
-    "ranking", "referee", "scaling", "select", "speedup", "stances", "store", "table1", "table2",
-    "walk",
+    "certificate", "clients", "cpp", "discovery", "drive", "faults", "map", "mesh", "minlp", "online", "overhead",
+    "phases", "ranking", "referee", "scaling", "select", "speedup", "stances", "store", "table1", "table2", "walk",
 )  # fmt: skip
 PIPED_WIDTH = 160  # a table in a file need not fit a terminal
 DEFAULT_SCENARIO = "half-cheetah-flat-effort"
@@ -51,6 +50,7 @@ def bench(
     online     planning from a map: latency, consistency, and the paper's way beside it; draws a figure, too
     clients    whole-body shooting and predictive control from a map's plans, from a hand-made trot, and cold
     cpp        planning from an exported map in C++ (needs cmake, cc, g++)
+    drive      a minute's drive by speed alone in MuJoCo: falls, switches, the loop's times
     walk       a map's picks and hand-made gaits in MuJoCo: who walks, and what it costs
     stances    what one stance per leg costs (needs the runs of SCENARIO and SCENARIO-free)
     phases     what more phases gain (SCENARIO is S-eight-phases; needs its run and that of S)

@@ -12,6 +12,7 @@ try:
     from gaitflow.cli.check import status, validate, verify
     from gaitflow.cli.cluster import cancel, doctor, submit
     from gaitflow.cli.compact import compact
+    from gaitflow.cli.drive import drive
     from gaitflow.cli.export import export
     from gaitflow.cli.labels import labels
     from gaitflow.cli.plan import plan
@@ -26,7 +27,7 @@ except ImportError as error:
 COMMANDS = (
     run, solve, label, atlas, train, publish, report,  # a map's stages
     submit, cancel, doctor, compact,  # on a cluster
-    plan, labels, show, export, walk,  # what a map is for
+    plan, labels, show, export, walk, drive,  # what a map is for
     status, validate, verify, robot, bench,
 )  # fmt: skip
 

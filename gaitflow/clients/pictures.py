@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Protocol
+
 import numpy as np
+from numpy.typing import NDArray
 
 from gaitflow.clients.robot_model import PHYSICS_STEP, RobotModel
 from gaitflow.clients.rotation import rotation_of
-from gaitflow.clients.walking import Walk
+from gaitflow.clients.walking import Frame
 from gaitflow.core.layout import GRAVITY
 from gaitflow.motion import Motion
 from gaitflow.report.walk_scene import WalkScene
@@ -14,7 +18,19 @@ from gaitflow.report.walk_scene import WalkScene
 THICKNESS = 0.2  # of the drawn body, as a share of its height above the ground
 
 
-def scene_of_walk(robot: RobotModel, motion: Motion, walk: Walk) -> WalkScene:
+class Filmed(Protocol):
+    """What was filmed: frames 30 a second, and which feet touched after each ms [n, legs]."""
+
+    @property
+    def frames(self) -> Sequence[Frame]:
+        """The frames, from the start."""
+
+    @property
+    def touching(self) -> NDArray[np.bool_]:
+        """The feet that touched."""
+
+
+def scene_of_walk(robot: RobotModel, motion: Motion, walk: Filmed) -> WalkScene:
     """The scene of a robot's walk that followed a motion. The drawn body spans the legs' first joints."""
     first = walk.frames[0]
     rotations = np.array([rotation_of(frame.orientation) for frame in walk.frames])
