@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from gaitflow.runtime import Plan
 
 PLAN_KEYS = (
-    "gait", "pattern", "probability", "in_domain", "distance", "durations", "cost", "feasible", "violation", "path",
+    "gait", "pattern", "probability", "in_domain", "distance", "durations", "cost", "cost_of_transport", "feasible", "violation", "path",
     "iterations", "select_ms", "predict_ms", "refine_ms", "time_ms",
 )  # fmt: skip
 
@@ -87,6 +87,8 @@ def _say(answer: Plan) -> None:
         click.echo(f"cycle:       chosen by the map, predicted cost {answer.chosen.cost_per_second:.6g} a second{edge}")
     click.echo(f"gait:        {answer.gait} ({answer.pattern}), probability {answer.probability:.2f}")
     click.echo(f"durations:   {', '.join(f'{d:.4f}' for d in answer.durations)} s")
-    click.echo(f"cost:        {answer.cost:.6g}")
+    transport = answer.cost_of_transport
+    beside = "" if transport is None else f" J a cycle, cost of transport {transport:.3f}"
+    click.echo(f"cost:        {answer.cost:.6g}{beside}")
     click.echo(f"feasible:    {'yes' if answer.feasible else 'no'}, worst violation {answer.violation:.1e}")
     click.echo(f"path:        {answer.path}, {answer.iterations} iterations, {answer.time_ms:.1f} ms")

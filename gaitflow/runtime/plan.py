@@ -5,11 +5,13 @@ A gait may be realised by several full patterns, of which each has a prediction 
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from gaitflow.core.layout import GRAVITY
 from gaitflow.core.task import Task
 from gaitflow.core.task_space import TaskSpace
 from gaitflow.core.trajectory import Trajectory
@@ -63,9 +65,27 @@ class Plan(Trajectory):
         With None the feet are the plan's own. Position, velocity and acceleration are the centre of mass's, or with
         `point="base"` those of the base link's frame. Raises ValueError as `Motion.of`.
         """
+        return Motion.of(self.scenario, self, self._whole_task, self.pattern, swing_apex, point)
+
+    @property
+    def _whole_task(self) -> Task:
+        """The task with the axes that the map holds at one value."""
         space = TaskSpace.of(self.scenario)
-        task = space.task({axis: self.task[axis] for axis in space.ranged})
-        return Motion.of(self.scenario, self, task, self.pattern, swing_apex, point)
+        return space.task({axis: self.task[axis] for axis in space.ranged})
+
+    @property
+    def cost_of_transport(self) -> float | None:
+        """The cost over the weight, payload included, and the way of a cycle.
+
+        None where the map's objective is not energy, or where the robot stays where it is.
+        """
+        objective = self.scenario.get("objective", {})
+        if not objective.get("joint_heat") and not objective.get("joint_work"):
+            return None
+        task = self._whole_task
+        way = math.hypot(task["speed"], task["lateral_speed"]) * task.cycle_duration
+        weight = (float(self.scenario["robot"]["mass"]) + task["payload"]) * GRAVITY
+        return self.cost / (weight * way) if way else None
 
     @property
     def swing_apex(self) -> float:

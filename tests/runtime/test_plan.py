@@ -491,3 +491,10 @@ def test_threads_take_turns_at_ipopt(artifact: Path) -> None:
         alone = gait_map.plan(*task)
         assert plans[task].feasible and plans[task].path == "fallback"
         assert plans[task].cost == pytest.approx(alone.cost, rel=1e-9)
+
+
+def test_only_energy_is_a_cost_of_transport(gait_map: GaitMap) -> None:
+    plan = gait_map.plan(**VALUES)
+    assert plan.cost_of_transport is None
+    energy = dataclasses.replace(plan, scenario={**plan.scenario, "objective": {"joint_heat": 0.0, "joint_work": 1.0}})
+    assert energy.cost_of_transport == pytest.approx(plan.cost / (plan.scenario["robot"]["mass"] * 9.81 * 0.9 * 0.6))
