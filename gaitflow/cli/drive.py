@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -68,7 +70,8 @@ def drive(
         try:
             pilot = Pilot(gait_map)
             robot = RobotModel.of(describe(scenario, urdf), scenario, pilot.first.task)
-            driven = drive_in_mujoco(pilot, robot, Course(top, seconds, noise, seed))
+            with _progress(seconds) as each:
+                driven = drive_in_mujoco(pilot, robot, Course(top, seconds, noise, seed), each)
         except (OutOfDomain, NoTransition) as error:
             fail(str(error))
         if video is not None:
@@ -82,6 +85,18 @@ def drive(
             click.echo(video)
     if driven.fell is not None:
         sys.exit(1)
+
+
+@contextmanager
+def _progress(seconds: float) -> Iterator[Callable[[float], None]]:
+    """What is told the simulated time [s]: a bar on a terminal's standard error, and nothing elsewhere."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("driving", total=seconds)
+        yield lambda time: bar.update(task, completed=time)
 
 
 def _table(driven: Drive) -> list[tuple[str, str]]:

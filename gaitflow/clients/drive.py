@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from itertools import pairwise
 from typing import Any
@@ -94,8 +94,11 @@ class Drive:
         }
 
 
-def drive(pilot: Pilot, robot: RobotModel, course: Course) -> Drive:
-    """Drive a course in MuJoCo, from a stand. Raises ValueError for a map of the plane, and what `Pilot.tick` does."""
+def drive(pilot: Pilot, robot: RobotModel, course: Course, each: Callable[[float], None] | None = None) -> Drive:
+    """Drive a course in MuJoCo, from a stand; `each` is called after every tick with the time [s].
+
+    Raises ValueError for a map of the plane, and what `Pilot.tick` does.
+    """
     walker = Walker(robot, pilot.motion)
     per_tick = round(1 / RATE / CONTROL_STEP)
     ticks, control, places, touching = [], [], [walker.frame.position[0]], []
@@ -116,6 +119,8 @@ def drive(pilot: Pilot, robot: RobotModel, course: Course) -> Drive:
             touching += [moment.forces[:, 2] > 0 for moment in walker.advance()]
         control.append((time.perf_counter() - started) / per_tick)
         places.append(walker.frame.position[0])
+        if each is not None:
+            each(walker.time)
         if walker.fallen:
             fell = walker.time
             break

@@ -49,6 +49,7 @@ class Pilot:
         self._followed: Choice | None = None  # the one whose motion is followed, None at a stand
         self.first = self._planned(gait_map.select(speed=self._slowest))
         self.motion: Motion | Journey = standing(self.first)
+        self._map.switch(self.motion, self.first)  # the problem of transitions is built on first use, for seconds
         self.changes: list[Change] = []
 
     @property
