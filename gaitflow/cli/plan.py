@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from gaitflow.runtime import Plan
 
 PLAN_KEYS = (
-    "gait", "pattern", "probability", "in_domain", "distance", "durations", "cost", "cost_of_transport", "feasible", "violation",
-    "path",    "iterations", "select_ms", "predict_ms", "refine_ms", "time_ms",
+    "gait", "pattern", "probability", "in_domain", "distance", "durations", "cost", "cost_of_transport", "feasible",
+    "violation", "path", "iterations", "select_ms", "predict_ms", "refine_ms", "time_ms",
 )  # fmt: skip
 
 
