@@ -57,11 +57,14 @@ NOTES = (
 
 
 class Case(NamedTuple):
-    """A gait to walk in: where it comes from, its name, what the map's objective says of it, its motion."""
+    """A gait to walk in: where it comes from, its name, what the map's objective says of it, its motion.
+
+    The objective says nothing where legs are too short for the motion.
+    """
 
     source: Literal["pick", "map", "hand-made"]
     gait: str
-    model: float
+    model: float | None
     motion: Motion
 
 
@@ -115,8 +118,9 @@ class _Bench:
         task = plan.motion().task
         for kind, duty in HAND_MADE:
             motion = default_motion(self._scenario, kind, task, duty, plan.swing_apex)
-            cost = check.cost(self._scenario, motion.trajectory, task, motion.pattern)
-            yield Case("hand-made", f"{kind} of duty {duty:g}", cost / self._weight_moved(motion), motion)
+            with np.errstate(invalid="ignore"):
+                model = check.cost(self._scenario, motion.trajectory, task, motion.pattern) / self._weight_moved(motion)
+            yield Case("hand-made", f"{kind} of duty {duty:g}", model if math.isfinite(model) else None, motion)
 
     def _planned(self, source: Literal["pick", "map"], plan: Plan) -> Case:
         motion = plan.motion(plan.swing_apex, point="base")
@@ -205,9 +209,10 @@ def _judge(group: Sequence[Row]) -> dict[str, Any]:
 
 def _rank_correlation(rows: Sequence[Row]) -> float | None:
     """Kendall's tau of the model's cost and the energy, None for fewer than three."""
-    if len(rows) < 3:
+    told = [row for row in rows if row["model"] is not None]
+    if len(told) < 3:
         return None
-    tau = float(kendalltau([row["model"] for row in rows], [row["energy"] for row in rows])[0])
+    tau = float(kendalltau([row["model"] for row in told], [row["energy"] for row in told])[0])
     return None if math.isnan(tau) else tau
 
 
