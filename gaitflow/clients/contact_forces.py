@@ -13,12 +13,13 @@ import numpy as np
 import quadprog
 from numpy.typing import NDArray
 
+from gaitflow.clients.body_target import BodyTarget
 from gaitflow.clients.dynamics import Equations, inverse
 from gaitflow.clients.robot_model import BASE, RobotModel
 from gaitflow.core.layout import GRAVITY
 from gaitflow.core.trajectory import Array
 
-MOMENT = 4.0  # weight of a moment over the robot's height, against that of a force
+MOMENT = 1.0  # weight of the moment that turns the body, over the robot's height, against that of a force
 LIKENESS = 0.01  # weight of forces that differ from the planned ones
 LEAST = 0.05  # of the weight: the normal force that keeps a standing foot on the ground
 SIDES = np.array([[1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]])
@@ -41,22 +42,24 @@ def contact_forces(
     equations: Equations,
     standing: NDArray[np.bool_],
     feet: Array,
-    wrench: Array,
+    target: BodyTarget,
     planned: Array,
 ) -> ContactForces:
-    """The forces of the feet that stand [legs] that come nearest to a wrench [6] about the centre of mass, N and N m.
+    """The forces of the feet that stand [legs] with which the body comes nearest to a target.
 
     They push, lie in the friction pyramid inside the cone, and are drawn to the planned ones [legs, 3] N. feet
     [legs, 3] m/s^2: how the feet's points accelerate.
     """
     stood = np.flatnonzero(standing)
-    torque, gain = _torques(robot, equations, feet, stood)
+    turning, torques = _affine(robot, equations, feet, stood)
+    torque, gain = torques[:, 0], torques[:, 1:]
     forces, limited = np.zeros((len(robot.legs), 3)), True
     if len(stood):
-        effect = _effect(equations.points[stood] - equations.centre)
+        effect = np.vstack([np.tile(np.eye(3), len(stood)), robot.inertia @ turning[:, 1:]])
+        wanted = np.concatenate([target.force, robot.inertia @ (target.angular_acceleration - turning[:, 0])])
         weight = np.repeat([1.0, MOMENT / robot.height**2], 3)
         hessian = effect.T @ (weight[:, None] * effect) + LIKENESS * np.eye(effect.shape[1])
-        slope = effect.T @ (weight * wrench) + LIKENESS * planned[stood].ravel()
+        slope = effect.T @ (weight * wanted) + LIKENESS * planned[stood].ravel()
         cone, least = _pyramids(robot, len(stood))
         # Legs in the air have their swings to follow: beyond their limits, no force of the others can help.
         own = np.concatenate([robot.legs[leg].velocities for leg in stood]) - BASE
@@ -68,8 +71,11 @@ def contact_forces(
     return ContactForces(forces, torque, limited)
 
 
-def _torques(robot: RobotModel, equations: Equations, feet: Array, stood: NDArray[np.intp]) -> tuple[Array, Array]:
-    """Torques without contact forces [joints], and what a force on each standing foot adds [joints, 3 stood]."""
+def _affine(robot: RobotModel, equations: Equations, feet: Array, stood: NDArray[np.intp]) -> tuple[Array, Array]:
+    """The base's angular acceleration [3, 1 + 3 stood] rad/s^2, in its frame, and torques [joints, 1 + 3 stood].
+
+    First without contact forces, then what a force on each standing foot adds.
+    """
     columns = np.stack([leg.velocities for leg in robot.legs])
     jacobian, mass, bias = equations.jacobian, equations.mass, equations.bias
     own = inverse(np.take_along_axis(jacobian, columns[:, None, :], axis=2))
@@ -84,18 +90,7 @@ def _torques(robot: RobotModel, equations: Equations, feet: Array, stood: NDArra
     torques = (mass[BASE:, :BASE] + mass[BASE:, BASE:] @ by_base) @ base
     torques[:, 0] += mass[BASE:, BASE:] @ constant + bias[BASE:]
     torques[:, 1:] -= push[BASE:]
-    return torques[:, 0], torques[:, 1:]
-
-
-def _effect(arms: Array) -> Array:
-    """The wrench [6] of forces at arms [n, 3] m, as a matrix [6, 3 n]."""
-    effect = np.zeros((6, len(arms), 3))
-    effect[:3] = np.eye(3)[:, None, :]
-    (x, y, z) = arms.T
-    effect[3, :, 1], effect[3, :, 2] = -z, y
-    effect[4, :, 0], effect[4, :, 2] = z, -x
-    effect[5, :, 0], effect[5, :, 1] = -y, x
-    return effect.reshape(6, -1)
+    return np.asarray(base[3:], dtype=float), np.asarray(torques)
 
 
 def _pyramids(robot: RobotModel, count: int) -> tuple[Array, Array]:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from gaitflow.clients.body_wrench import BodyGains, body_wrench, heading
+from gaitflow.clients.body_target import BodyGains, body_target, heading
 from gaitflow.clients.contact_forces import contact_forces
 from gaitflow.clients.dynamics import Dynamics
 from gaitflow.clients.reference import Ahead, Followed, Reference, stance_durations
@@ -68,7 +68,7 @@ class Controller:
             measured.time, state, measured.touching, centres, self._step(state, measured), heading(state.orientation)
         )
         equations = self._dynamics.at(measured.position, measured.velocity, feet.standing)
-        wrench = body_wrench(robot, reference, equations, measured.position[3:7], gains.body)
+        target = body_target(robot, reference, equations, measured, gains.body)
         accelerations = np.where(
             feet.standing[:, None],
             -gains.slip * (equations.jacobian @ measured.velocity),
@@ -76,7 +76,7 @@ class Controller:
             + gains.foot * (feet.positions - equations.centres)
             + gains.foot_velocity * (feet.velocities - equations.speeds),
         )
-        return contact_forces(robot, equations, feet.standing, accelerations, wrench, state.forces).torque
+        return contact_forces(robot, equations, feet.standing, accelerations, target, state.forces).torque
 
     def _step(self, state: State, measured: Measured) -> Array:
         """How far footholds are moved [legs, 3] m.

@@ -22,8 +22,8 @@ class Equations:
 
     mass [v, v], bias [v] (Coriolis, gravity, friction in the joints), jacobian [legs, 3, v] of each foot's point and
     drift [legs, 3] m/s^2, its acceleration when a = 0. centres and speeds [legs, 3] are of the balls' centres [m, m/s].
-    points [legs, 3] m are the feet's points, centre [3] m is the centre of mass of all links, momentum [3] N s and
-    spin [3] N m s, about that centre, are theirs; everything in the world.
+    points [legs, 3] m are the feet's points, centre [3] m is the centre of mass of all links, momentum [3] N s is
+    theirs; everything in the world.
     """
 
     mass: Array
@@ -35,7 +35,6 @@ class Equations:
     points: Array
     centre: Array
     momentum: Array
-    spin: Array
 
 
 class Dynamics:
@@ -77,9 +76,7 @@ class Dynamics:
                 jacobian[number] = at_centre[number]
             mujoco.mj_jacDot(model, data, change[number], None, point, leg.body)
         turning = velocity[BASE:]
-        moved = self._mass[:BASE] @ velocity
-        momentum, centre = moved[:3], data.subtree_com[0].copy()
-        rotation = data.xmat[1].reshape(3, 3)
+        momentum, centre = self._mass[:3] @ velocity, data.subtree_com[0].copy()
         bias[BASE:] += model.dof_damping[BASE:] * turning + robot.friction_torque * np.tanh(turning / 0.5)
         return Equations(
             mass=self._mass.copy(),
@@ -91,7 +88,6 @@ class Dynamics:
             points=points,
             centre=centre,
             momentum=momentum,
-            spin=rotation @ moved[3:] - np.cross(centre - position[:3], momentum),
         )
 
     def centres(self, position: Array) -> Array:

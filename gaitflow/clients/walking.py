@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitflow.clients.body_wrench import heading
+from gaitflow.clients.body_target import heading
 from gaitflow.clients.controller import CONTROL_STEP, Controller
 from gaitflow.clients.dynamics import Dynamics
 from gaitflow.clients.record import Moment, WalkRecord, record_of

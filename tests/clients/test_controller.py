@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from walking_robots import planned
 
-from gaitflow.clients.body_wrench import rotation_between
+from gaitflow.clients.body_target import rotation_between
 from gaitflow.clients.reference import Ahead, lifted_at, stance_durations
 from gaitflow.clients.rotation import rotation_of
 from gaitflow.clients.swing_feet import SwingFeet
