@@ -14,7 +14,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from scipy.stats import kendalltau
 
-from benchmarks.clients.tasks import random_plans
+from benchmarks.clients.tasks import asked_plans
 from benchmarks.document import document
 from benchmarks.rows import Row, RowStore
 from gaitflow.clients.default_gaits import Kind, default_motion
@@ -46,6 +46,7 @@ DISTURBED: dict[str, Conditions] = {
     "pushed": Conditions(pushes=tuple(Push(2.0 + i, (0.0, 0.3 * (-1) ** i, 0.0)) for i in range(3))),
 }
 NOTES = (
+    "tasks: random speeds, with the cycle duration that the map chooses there or one up to a quarter off",
     "cost_of_transport: positive mechanical work of all joints over m g distance; energy: with the heat of torques, "
     "tau^2 times a tenth of (speed limit / effort limit) of the hip flexion motor, the same rule for every robot",
     "model: the map's objective of the motion that is followed, over m g times the commanded distance; a cost of "
@@ -90,7 +91,7 @@ class _Bench:
     def __init__(self, artifact: Path, seed: int, tasks: int) -> None:
         self.gait_map = GaitMap.load(artifact)
         self._scenario = self.gait_map.manifest.scenario
-        self._plans = cache(lambda: list(random_plans(self.gait_map, tasks, seed)))
+        self._plans = cache(lambda: list(asked_plans(self.gait_map, tasks, seed)))
         self._description: RobotDescription = describe(self._scenario)
         self._body: WholeBody = load_whole_body(self._description.urdf.path, self._scenario)
         self._heat = heat_of(self._description)
