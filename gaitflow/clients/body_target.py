@@ -28,8 +28,8 @@ class BodyGains:
 
     position: float = 50.0
     velocity: float = 12.0
-    orientation: float = 300.0
-    spin: float = 35.0
+    orientation: float = 100.0
+    spin: float = 20.0
     farthest: float = 0.05
 
 
@@ -44,24 +44,29 @@ class BodyTarget:
 def body_target(
     robot: RobotModel, reference: Reference, equations: Equations, measured: Measured, gains: BodyGains
 ) -> BodyTarget:
-    """What the body should do in a measured state.
+    """What the body should do in a measured state."""
+    state = reference.state
+    centre, velocity, acceleration = planned_centre(robot, reference)
+    off = np.clip(centre - equations.centre, -gains.farthest, gains.farthest)
+    slower = velocity - equations.momentum / robot.mass
+    force = robot.mass * (acceleration - robot.gravity + gains.position * off + gains.velocity * slower)
+    turned = rotation_between(measured.position[3:7], state.orientation)
+    slack = state.angular_velocity - measured.velocity[3:6]
+    return BodyTarget(force, reference.angular_acceleration + gains.orientation * turned + gains.spin * slack)
 
-    The reference is the base link's; its centre of mass is where it is in the standing pose, as in the plan.
+
+def planned_centre(robot: RobotModel, reference: Reference) -> tuple[Array, Array, Array]:
+    """Position, velocity and acceleration [3] of the centre of mass where the reference has the base link.
+
+    It is where it is in the standing pose, as in the plan.
     """
-    state, orientation = reference.state, measured.position[3:7]
+    state = reference.state
     planned = rotation_of(state.orientation)
     arm, spin, gained = (
         planned @ vector for vector in (robot.centre, state.angular_velocity, reference.angular_acceleration)
     )
-    centre = state.position + arm
-    velocity = state.velocity + np.cross(spin, arm)
-    acceleration = state.acceleration + np.cross(gained, arm) + np.cross(spin, np.cross(spin, arm))
-    off = np.clip(centre - equations.centre, -gains.farthest, gains.farthest)
-    slower = velocity - equations.momentum / robot.mass
-    force = robot.mass * (acceleration - robot.gravity + gains.position * off + gains.velocity * slower)
-    turned = rotation_between(orientation, state.orientation)
-    slack = state.angular_velocity - measured.velocity[3:6]
-    return BodyTarget(force, reference.angular_acceleration + gains.orientation * turned + gains.spin * slack)
+    turning = np.cross(gained, arm) + np.cross(spin, np.cross(spin, arm))
+    return state.position + arm, state.velocity + np.cross(spin, arm), state.acceleration + turning
 
 
 def rotation_between(first: Array, last: Array) -> Array:

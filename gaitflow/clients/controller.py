@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from gaitflow.clients.body_target import BodyGains, body_target, heading
+from gaitflow.clients.body_target import BodyGains, body_target, heading, planned_centre
 from gaitflow.clients.contact_forces import contact_forces
 from gaitflow.clients.dynamics import Dynamics
 from gaitflow.clients.reference import Ahead, Followed, Reference, stance_durations
@@ -20,7 +20,6 @@ from gaitflow.clients.simulation import Measured
 from gaitflow.clients.swing_feet import SwingFeet
 from gaitflow.core.layout import GRAVITY
 from gaitflow.core.trajectory import Array
-from gaitflow.motion import State
 
 CONTROL_STEP = 2e-3  # s
 
@@ -65,7 +64,12 @@ class Controller:
         state = reference.state
         centres = self._dynamics.centres(measured.position)
         feet = self._feet.targets(
-            measured.time, state, measured.touching, centres, self._step(state, measured), heading(state.orientation)
+            measured.time,
+            state,
+            measured.touching,
+            centres,
+            self._step(reference, measured),
+            heading(state.orientation),
         )
         equations = self._dynamics.at(measured.position, measured.velocity, feet.standing)
         target = body_target(robot, reference, equations, measured, gains.body)
@@ -78,14 +82,17 @@ class Controller:
         )
         return contact_forces(robot, equations, feet.standing, accelerations, target, state.forces).torque
 
-    def _step(self, state: State, measured: Measured) -> Array:
+    def _step(self, reference: Reference, measured: Measured) -> Array:
         """How far footholds are moved [legs, 3] m.
 
         A step to the capture point keeps a robot as far off as it is; one beyond it lets the robot fall back, to the
         path at the end of the leg's stance.
         """
-        ahead = measured.position[:3] - state.position + self._catch * (measured.velocity[:3] - state.velocity)
+        robot, lifted = self._robot, np.zeros(len(self._robot.legs), dtype=bool)
+        equations = self._dynamics.at(measured.position, measured.velocity, lifted)
+        centre, velocity, _ = planned_centre(robot, reference)
+        ahead = equations.centre - centre + self._catch * (equations.momentum / robot.mass - velocity)
         steps = self._gain[:, None] * (ahead * [1.0, 1.0, 0.0])
-        farthest = self._gains.farthest_step * self._robot.height
+        farthest = self._gains.farthest_step * robot.height
         lengths = np.linalg.norm(steps, axis=1, keepdims=True)
         return np.asarray(steps * np.minimum(1.0, farthest / np.maximum(lengths, 1e-9)))
