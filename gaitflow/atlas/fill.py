@@ -21,6 +21,7 @@ from gaitflow.solvers.interior_point import Outcome
 ROUNDS = 3
 MOST_TESTS = 1000  # on two axes
 FURTHER_AXIS = 3  # times as many, for each axis beyond two
+FEWER_OF_ENERGY = 6  # times fewer: energy's derivatives take five times as long, and its costs are smoother
 GOOD = 8  # iterations that a prediction may need
 LIMIT = 18  # iterations beyond which a prediction led nowhere
 WRONG = 0.02  # relative error of a predicted cost that is not good
@@ -50,6 +51,8 @@ class Cell:
 def fill(growth: Growth, compiled: Callable[[], Atlas], tie_tolerance: float, rounds: int = ROUNDS) -> None:
     """Add nodes where tests fail; `compiled` makes the atlas of the nodes that there are, its sheets in their order."""
     cells, left = _cells(growth), MOST_TESTS * FURTHER_AXIS ** max(len(growth.grid) - 2, 0)
+    if growth.problem.scenario.objective.energy:
+        left //= FEWER_OF_ENERGY
     for _ in range(rounds):
         atlas = compiled()
         sheets = [number for number, nodes in enumerate(growth.nodes) if nodes]
