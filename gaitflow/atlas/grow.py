@@ -86,7 +86,7 @@ class Growth:
                 continue
             if cost < costs.get((sheet, place), np.inf):
                 costs[sheet, place] = cost
-                w = problem.layout.pack(one.trajectory, one.task.cycle_duration)
+                w = problem.layout.pack(one.trajectory, one.task.cycle_duration, one.pattern)
                 start = self.solver.from_solution(sheet, w, one.multipliers.bounds, one.multipliers.rows, cost)
                 self._starts[sheet][place] = start
         for (sheet, place), cost in sorted(costs.items(), key=lambda item: (item[1], item[0])):

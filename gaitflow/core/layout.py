@@ -190,13 +190,18 @@ class Layout:
             durations=durations.copy(),
         )
 
-    def pack(self, trajectory: Trajectory, cycle_duration: float) -> Array:
-        """The scaled decision vector w [nw] of a trajectory; the inverse of `unpack`, with contacts of 0."""
+    def pack(self, trajectory: Trajectory, cycle_duration: float, pattern: str | None = None) -> Array:
+        """The scaled decision vector w [nw] of a trajectory; the inverse of `unpack`.
+
+        Contacts, where w has them, are those of the pattern, "0110/1100", and 0 without one.
+        """
         knots, steps = self.steps + 1, self.steps
         states = np.hstack([trajectory.base, trajectory.feet.reshape(knots, -1)])
         controls = np.hstack([trajectory.forces.reshape(steps, -1), trajectory.foot_velocities.reshape(steps, -1)])
         parts = [np.hstack([states[:-1], controls]).ravel(), states[-1]]
         if self.linear_forces:
             parts.append(trajectory.end_forces[self.knots_per_phase - 1 :: self.knots_per_phase].ravel())
-        unknown = np.zeros(self.nw - self.fractions.stop)
-        return np.concatenate([*parts, trajectory.durations, unknown]) / self.scale(cycle_duration)
+        contacts = np.zeros(self.nw - self.fractions.stop)
+        if pattern is not None and self.energy:
+            contacts[:] = [float(digit) for row in pattern.split("/") for digit in row]
+        return np.concatenate([*parts, trajectory.durations, contacts]) / self.scale(cycle_duration)

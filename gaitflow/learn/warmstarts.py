@@ -36,14 +36,14 @@ class WarmStart:
 def region_means(
     labels: pd.DataFrame,
     solutions: Iterable[Solution],
-    pack: Callable[[Trajectory, float], Array],
+    pack: Callable[[Trajectory, float, str], Array],
     symmetry: Symmetry = NO_SYMMETRY,
 ) -> tuple[WarmStart, ...]:
     """One warm start a gait that is the `label` of a grid task, sorted by gait.
 
     A gait's region is the grid tasks with that label. Several full patterns realise the gait: taken is the one that is
     best at most tasks of the region (then the first as text), and averaged are its solutions at all tasks of the
-    region. `pack(trajectory, cycle_duration)` gives the scaled decision vector [nw]. Solutions without trajectory or
+    region. `pack(trajectory, cycle_duration, pattern)` gives the scaled decision vector [nw]. Solutions without trajectory or
     multipliers do not count, nor those of a pattern that is another gait elsewhere in the map, by the `symmetry` that
     all of its tasks have. Raises ValueError naming a gait that has none left.
     """
@@ -68,7 +68,7 @@ def _usable(solution: Solution) -> bool:
     return kept and solution.status == "solved" and solution.violation <= MAX_VIOLATION
 
 
-def _mean(gait: str, region: dict[TaskKey, list[Solution]], pack: Callable[[Trajectory, float], Array]) -> WarmStart:
+def _mean(gait: str, region: dict[TaskKey, list[Solution]], pack: Callable[[Trajectory, float, str], Array]) -> WarmStart:
     if not region:
         raise ValueError(
             f"gait {gait!r}: no solution of its region holds a trajectory with multipliers, so there is nothing to "
@@ -88,7 +88,7 @@ def _mean(gait: str, region: dict[TaskKey, list[Solution]], pack: Callable[[Traj
         gait=gait,
         pattern=pattern,
         tasks=len(chosen),
-        primal=np.mean([pack(trajectory, duration) for trajectory, duration in trajectories], axis=0),
+        primal=np.mean([pack(trajectory, duration, pattern) for trajectory, duration in trajectories], axis=0),
         bounds=np.mean([one.bounds for one in multipliers], axis=0),
         rows=np.mean([one.rows for one in multipliers], axis=0),
     )

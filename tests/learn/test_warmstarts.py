@@ -62,7 +62,7 @@ def solution(speed: float, cycle: float, gait: str, pattern: str, cost: float, v
     )
 
 
-def pack(trajectory: Trajectory, cycle_duration: float) -> Array:
+def pack(trajectory: Trajectory, cycle_duration: float, pattern: str) -> Array:
     return np.concatenate([trajectory.base[0, :2], trajectory.durations / cycle_duration])
 
 

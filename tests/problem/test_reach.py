@@ -121,9 +121,9 @@ def test_the_check_asks_what_the_rows_ask(
     assert solved.trajectory is not None
     moved = raised(solved.trajectory, height)
     bounds = problem.bounds(BOUNCING)
-    w = problem.layout.pack(moved, LONG.cycle_duration)
+    w = problem.layout.pack(moved, LONG.cycle_duration, BOUNCING.text)
     contacts = slice(problem.layout.fractions.stop, problem.layout.nw)
-    w[contacts] = bounds.lower[contacts]
+    np.testing.assert_array_equal(w[contacts], bounds.lower[contacts])
     rows = np.array(problem.nlp(w, LONG.parameters)[1]).ravel()
     size, end = 4 * 4 * len(reach.PARTS), problem.ng - 1 - problem.layout.nx
     asked = np.isfinite(bounds.upper_rows[end - size : end])
