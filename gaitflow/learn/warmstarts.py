@@ -16,6 +16,7 @@ from gaitflow.search.solution import Solution
 from gaitflow.tables.schema import task_columns
 
 TaskKey = tuple[float, ...]  # values on the task columns of the labels
+Pack = Callable[[Trajectory, float, str], Array]
 
 
 @dataclass(frozen=True)
@@ -36,16 +37,16 @@ class WarmStart:
 def region_means(
     labels: pd.DataFrame,
     solutions: Iterable[Solution],
-    pack: Callable[[Trajectory, float, str], Array],
+    pack: Pack,
     symmetry: Symmetry = NO_SYMMETRY,
 ) -> tuple[WarmStart, ...]:
     """One warm start a gait that is the `label` of a grid task, sorted by gait.
 
     A gait's region is the grid tasks with that label. Several full patterns realise the gait: taken is the one that is
     best at most tasks of the region (then the first as text), and averaged are its solutions at all tasks of the
-    region. `pack(trajectory, cycle_duration, pattern)` gives the scaled decision vector [nw]. Solutions without trajectory or
-    multipliers do not count, nor those of a pattern that is another gait elsewhere in the map, by the `symmetry` that
-    all of its tasks have. Raises ValueError naming a gait that has none left.
+    region. `pack(trajectory, cycle_duration, pattern)` gives the scaled decision vector [nw]. Solutions without
+    trajectory or multipliers do not count, nor those of a pattern that is another gait elsewhere in the map, by the
+    `symmetry` that all of its tasks have. Raises ValueError naming a gait that has none left.
     """
     grid = labels[(labels["split"] == "grid") & (labels["status"] == "solved")]
     key_of = dict(zip(grid["gait"], grid["gait_key"], strict=True))
@@ -68,7 +69,7 @@ def _usable(solution: Solution) -> bool:
     return kept and solution.status == "solved" and solution.violation <= MAX_VIOLATION
 
 
-def _mean(gait: str, region: dict[TaskKey, list[Solution]], pack: Callable[[Trajectory, float, str], Array]) -> WarmStart:
+def _mean(gait: str, region: dict[TaskKey, list[Solution]], pack: Pack) -> WarmStart:
     if not region:
         raise ValueError(
             f"gait {gait!r}: no solution of its region holds a trajectory with multipliers, so there is nothing to "
