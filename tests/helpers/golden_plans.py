@@ -16,6 +16,7 @@ from gaitflow.runtime.versions import resolve
 MODELS = Path(__file__).parents[2] / "models"
 GOLDEN = Path(__file__).parents[1] / "data" / "golden_plans.json"
 EASY, HARD = 4, 4  # plans a map: the first ones drawn, and those of the most iterations
+MOST = 250  # iterations: more take a test too long, or are IPOPT's
 DRAWN = 200
 LOCAL = "quickstart"  # what `make run` publishes in a checkout, and git ignores
 
@@ -46,7 +47,8 @@ def record(folder: Path) -> dict[str, Any]:
     """Plans of one map."""
     gait_map = GaitMap.load(folder)
     plans = [gait_map.plan(**task) for task in drawn(gait_map, DRAWN)]
-    hard = sorted(plans[EASY:], key=lambda plan: plan.iterations)[-HARD:]
+    bearable = [plan for plan in plans[EASY:] if plan.iterations <= MOST]
+    hard = sorted(bearable, key=lambda plan: plan.iterations)[-HARD:]
     rows = [
         {
             "task": {axis: plan.task[axis] for axis in gait_map.axes},
