@@ -49,8 +49,8 @@ def drive(
     and the robot changes by planned transitions. Exit code 1 says that it fell.
 
     \b
-    Example: gaitflow drive models/anymal-exact-vibration --video drive.png
-             gaitflow drive models/go1-exact-vibration --top 0.8 --seconds 30 --json
+    Example: gaitflow drive models/anymal-energy --video drive.png
+             gaitflow drive models/anymal-energy --top 0.8 --seconds 30 --json
     """
     from gaitflow.runtime import GaitMap, NoTransition, OutOfDomain
 

@@ -15,7 +15,7 @@ def run(*arguments: str) -> Result:
 
 @pytest.fixture
 def anymal(checkout: Path) -> str:
-    return str(checkout / "models" / "anymal-exact-vibration")
+    return str(checkout / "models" / "anymal-energy")
 
 
 def test_a_drive_is_numbers_and_a_picture(anymal: str, tmp_path: Path) -> None:

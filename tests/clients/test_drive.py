@@ -17,7 +17,7 @@ from gaitflow.runtime import GaitMap
 
 @pytest.fixture(scope="module")
 def gait_map(checkout: Path) -> GaitMap:
-    return GaitMap.load(checkout / "models" / "anymal-exact-vibration")
+    return GaitMap.load(checkout / "models" / "anymal-energy")
 
 
 def test_a_course_goes_up_and_down_and_ends_at_rest() -> None:
@@ -35,17 +35,17 @@ def test_a_pilot_stands_until_it_is_asked_to_go_and_changes_by_transitions(gait_
     pilot = Pilot(gait_map)
     stand = pilot.motion
     assert pilot.tick(0.0, 0.0) is stand
-    assert pilot.tick(0.02, 0.06) is stand  # less than the slowest, 0.1 m/s
-    going = pilot.tick(0.04, 0.3)
+    assert pilot.tick(0.02, 0.06) is stand  # less than the slowest, 0.2 m/s
+    going = pilot.tick(0.04, 0.5)
     assert isinstance(going, Journey) and going.before is stand
     (change,) = pilot.changes
-    assert change.found and change.gaits[0] is None and change.speeds == (0.0, pytest.approx(0.3))
+    assert change.found and change.gaits[0] is None and change.speeds == (0.0, pytest.approx(0.5))
     assert change.begins >= 0.04 + LEAD
-    assert pilot.tick(0.06, 0.6) is going  # under way
-    assert pilot.tick(change.settled, 0.33) is going  # noise
-    faster = pilot.tick(change.settled, 0.5)
+    assert pilot.tick(0.06, 0.8) is going  # under way
+    assert pilot.tick(change.settled, 0.53) is going  # noise
+    faster = pilot.tick(change.settled, 0.8)
     assert isinstance(faster, Journey) and faster.before is going
-    pilot.tick(faster.settled, 0.04)
+    pilot.tick(faster.settled, 0.08)
     assert [change.gaits[1] is None for change in pilot.changes] == [False, False, True]
     assert pilot.changes[-1].found and pilot.changes[-1].speeds[1] == 0.0
 
