@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass
 from typing import Any
 
 from gaitflow.core.errors import NoTransition
+from gaitflow.core.layout import GRAVITY
 from gaitflow.motion import Journey, Motion, standing
 from gaitflow.runtime import Choice, GaitMap, Plan
 
 RATE = 50.0  # Hz
 STEP = 0.1  # m/s: how far the asked speed gets from the followed one before the motion is changed
+LONGEST = 4.0  # cycle, over the time in which a robot on two feet falls e times farther
 LEAD = 1.0  # s from the decision to the earliest start of a transition, in which it is planned
 
 
@@ -35,7 +38,8 @@ class Change:
 class Pilot:
     """Steers along a map by speed alone, from a stand; `tick` it at RATE with the time and the speed asked for.
 
-    The cycle duration is the map's choice, with its hysteresis. A speed below half the map's slowest asks for a stand,
+    The cycle duration is the map's choice, with its hysteresis, or the longest with which a trot's two feet can balance
+    the robot, if that is shorter. A speed below half the map's slowest asks for a stand,
     and the slowest one to leave it.
     A transition is planned while the motion goes on for LEAD, so no tick waits for it; one that takes longer is `late`.
     Raises what `GaitMap.plan` does.
@@ -45,12 +49,15 @@ class Pilot:
         self._map = gait_map
         speeds = gait_map.manifest.domain.axes["speed"]
         self._slowest, self._fastest = float(speeds[0]), float(speeds[-1])
+        height = max(-leg["default_foot"][-1] for leg in gait_map.manifest.scenario["robot"]["legs"])
+        self._longest = LONGEST * math.sqrt(height / GRAVITY)
         self._choice: Choice | None = None  # the last answer
         self._followed: Choice | None = None  # the one whose motion is followed, None at a stand
-        self.first = self._planned(gait_map.select(speed=self._slowest))
+        self.first = self._planned(self._asked(self._slowest))
         self.motion: Motion | Journey = standing(self.first)
         self._map.switch(self.motion, self.first)  # the problem of transitions is built on first use, for seconds
         self.changes: list[Change] = []
+        self._again = 0.0  # when [s] to look for a change after one was not found
 
     @property
     def late(self) -> int:
@@ -60,7 +67,7 @@ class Pilot:
     def tick(self, now: float, asked: float) -> Motion | Journey:
         """What to follow from a time [s] on, when a speed [m/s] is asked for."""
         wanted = self._wanted(asked)
-        if now >= self._settled and self._differs(wanted):
+        if now >= max(self._settled, self._again) and self._differs(wanted):
             self._change(now, wanted)
         return self.motion
 
@@ -69,8 +76,14 @@ class Pilot:
         if asked < self._slowest / (1 if self._followed is None else 2):
             return None
         speed = min(max(asked, self._slowest), self._fastest)
-        self._choice = self._map.select(speed=speed, previous=self._choice)
+        self._choice = self._asked(speed)
         return self._choice
+
+    def _asked(self, speed: float) -> Choice:
+        choice = self._map.select(speed=speed, previous=self._choice)
+        if choice.cycle_duration <= self._longest:
+            return choice
+        return self._map.select(speed=speed, cycle_duration=self._longest, previous=self._choice)
 
     @property
     def _settled(self) -> float:
@@ -89,7 +102,7 @@ class Pilot:
             other = standing(self.first) if wanted is None else self._planned(wanted)
             self.motion = self._map.switch(self.motion, other, after=now + LEAD)
         except NoTransition:
-            found = False
+            found, self._again = False, now + LEAD
         before = self._followed
         if found:
             self._followed = wanted
