@@ -18,6 +18,7 @@ def anymal(checkout: Path) -> str:
     return str(checkout / "models" / "anymal-energy")
 
 
+@pytest.mark.slow
 def test_a_drive_is_numbers_and_a_picture(anymal: str, tmp_path: Path) -> None:
     chart = tmp_path / "drive.png"
     result = run(anymal, "--top", "0.4", "--seconds", "8", "--json", "--video", str(chart))
@@ -27,6 +28,7 @@ def test_a_drive_is_numbers_and_a_picture(anymal: str, tmp_path: Path) -> None:
     assert chart.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 def test_a_drive_is_a_page(anymal: str, tmp_path: Path) -> None:
     page = tmp_path / "drive.html"
     result = run(anymal, "--top", "0.3", "--seconds", "5", "--video", str(page))
