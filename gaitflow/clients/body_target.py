@@ -2,7 +2,7 @@
 
 The force steers the centre of mass of all links together, which the ground's forces alone change, as in the plan. What
 turns as planned is the base itself: left to recoil from swinging legs it would roll, and standing legs would have to
-follow it, which costs ANYmal up to a quarter of its energy.
+follow it, which costs ANYmal up to a sixth of its energy.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ import numpy as np
 
 from gaitflow.clients.body_target import BodyGains, body_target, heading, planned_centre
 from gaitflow.clients.contact_forces import contact_forces
-from gaitflow.clients.dynamics import Dynamics
+from gaitflow.clients.dynamics import Dynamics, Equations
 from gaitflow.clients.reference import Ahead, Followed, Reference, stance_durations
 from gaitflow.clients.robot_model import RobotModel
 from gaitflow.clients.simulation import Measured
@@ -62,15 +62,10 @@ class Controller:
         robot, gains = self._robot, self._gains
         reference = self._ahead.at(measured.time)
         state = reference.state
-        centres = self._dynamics.centres(measured.position)
-        feet = self._feet.targets(
-            measured.time,
-            state,
-            measured.touching,
-            centres,
-            self._step(reference, measured),
-            heading(state.orientation),
-        )
+        lifted = np.zeros(len(robot.legs), dtype=bool)
+        free = self._dynamics.at(measured.position, measured.velocity, lifted)
+        shift, yaw = self._step(reference, free), heading(state.orientation)
+        feet = self._feet.targets(measured.time, state, measured.touching, free.centres, shift, yaw)
         equations = self._dynamics.at(measured.position, measured.velocity, feet.standing)
         target = body_target(robot, reference, equations, measured, gains.body)
         accelerations = np.where(
@@ -82,14 +77,13 @@ class Controller:
         )
         return contact_forces(robot, equations, feet.standing, accelerations, target, state.forces).torque
 
-    def _step(self, reference: Reference, measured: Measured) -> Array:
+    def _step(self, reference: Reference, equations: Equations) -> Array:
         """How far footholds are moved [legs, 3] m.
 
         A step to the capture point keeps a robot as far off as it is; one beyond it lets the robot fall back, to the
         path at the end of the leg's stance.
         """
-        robot, lifted = self._robot, np.zeros(len(self._robot.legs), dtype=bool)
-        equations = self._dynamics.at(measured.position, measured.velocity, lifted)
+        robot = self._robot
         centre, velocity, _ = planned_centre(robot, reference)
         ahead = equations.centre - centre + self._catch * (equations.momentum / robot.mass - velocity)
         steps = self._gain[:, None] * (ahead * [1.0, 1.0, 0.0])

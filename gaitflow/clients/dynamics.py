@@ -22,8 +22,7 @@ class Equations:
 
     mass [v, v], bias [v] (Coriolis, gravity, friction in the joints), jacobian [legs, 3, v] of each foot's point and
     drift [legs, 3] m/s^2, its acceleration when a = 0. centres and speeds [legs, 3] are of the balls' centres [m, m/s].
-    points [legs, 3] m are the feet's points, centre [3] m is the centre of mass of all links, momentum [3] N s is
-    theirs; everything in the world.
+    centre [3] m is the centre of mass of all links, momentum [3] N s is theirs; everything in the world.
     """
 
     mass: Array
@@ -32,7 +31,6 @@ class Equations:
     drift: Array
     centres: Array
     speeds: Array
-    points: Array
     centre: Array
     momentum: Array
 
@@ -85,7 +83,6 @@ class Dynamics:
             drift=change @ velocity,
             centres=centres,
             speeds=at_centre @ velocity,
-            points=points,
             centre=centre,
             momentum=momentum,
         )

@@ -39,10 +39,9 @@ class Pilot:
     """Steers along a map by speed alone, from a stand; `tick` it at RATE with the time and the speed asked for.
 
     The cycle duration is the map's choice, with its hysteresis, or the longest with which a trot's two feet can balance
-    the robot, if that is shorter. A speed below half the map's slowest asks for a stand,
-    and the slowest one to leave it.
-    A transition is planned while the motion goes on for LEAD, so no tick waits for it; one that takes longer is `late`.
-    Raises what `GaitMap.plan` does.
+    the robot, if that is shorter. A speed below half the map's slowest asks for a stand, and it takes the slowest one
+    to leave that. A transition counts as planned while the motion goes on for LEAD; one that takes longer is `late`.
+    Raises what `GaitMap.plan` does, and NoTransition where the robot cannot set off.
     """
 
     def __init__(self, gait_map: GaitMap) -> None:
