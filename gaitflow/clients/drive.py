@@ -17,7 +17,6 @@ from gaitflow.clients.robot_model import RobotModel
 from gaitflow.clients.walking import FRAMES_PER_SECOND, Frame, Walker
 from gaitflow.core.trajectory import Array
 from gaitflow.motion import Motion
-from gaitflow.runtime import GaitMap
 
 UP, DOWN = 0.4, 0.6  # parts of a course: until the top speed is reached, and until it is left
 
@@ -140,12 +139,12 @@ def drive(pilot: Pilot, robot: RobotModel, course: Course, each: Callable[[float
     )
 
 
-def borders(gait_map: GaitMap, course: Course) -> int:
-    """How often the map's best gait changes along the course itself, without noise and without hysteresis."""
-    speeds = gait_map.manifest.domain.axes["speed"]
-    low, high = float(speeds[0]), float(speeds[-1])
+def borders(pilot: Pilot, course: Course) -> int:
+    """How often the pilot's gait would change along the course itself, without noise and without hysteresis."""
     asked = (course.speed(tick / RATE) for tick in range(round(course.duration * RATE)))
-    gaits = [gait_map.select(speed=min(max(each, low), high)).gait for each in asked if each >= low / 2]
+    gaits = [
+        pilot.answer(min(max(each, pilot.slowest), pilot.fastest)).gait for each in asked if each >= pilot.slowest / 2
+    ]
     return sum(one != other for one, other in pairwise(gaits))
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import time
+from collections import deque
 from dataclasses import dataclass
+from statistics import median
 from typing import Any
 
 from gaitflow.core.errors import NoTransition
@@ -13,8 +15,9 @@ from gaitflow.motion import Journey, Motion, standing
 from gaitflow.runtime import Choice, GaitMap, Plan
 
 RATE = 50.0  # Hz
-STEP = 0.1  # m/s: how far the asked speed gets from the followed one before the motion is changed
-LONGEST = 4.0  # cycle, over the time in which a robot on two feet falls e times farther
+SMOOTHING = 0.5  # s: the median of what was asked for in this time counts
+STEP = 0.05  # m/s: how far the asked speed gets from the followed one before the motion is changed
+LONGEST = 3.0  # cycle, over the time in which a robot on two feet falls e times farther
 LEAD = 1.0  # s from the decision to the earliest start of a transition, in which it is planned
 
 
@@ -38,6 +41,7 @@ class Change:
 class Pilot:
     """Steers along a map by speed alone, from a stand; `tick` it at RATE with the time and the speed asked for.
 
+    What is asked for may be noisy, and counts as its median over SMOOTHING.
     The cycle duration is the map's choice, with its hysteresis, or the longest with which a trot's two feet can balance
     the robot, if that is shorter. A speed below half the map's slowest asks for a stand, and it takes the slowest one
     to leave that. A transition counts as planned while the motion goes on for LEAD; one that takes longer is `late`.
@@ -47,12 +51,13 @@ class Pilot:
     def __init__(self, gait_map: GaitMap) -> None:
         self._map = gait_map
         speeds = gait_map.manifest.domain.axes["speed"]
-        self._slowest, self._fastest = float(speeds[0]), float(speeds[-1])
+        self.slowest, self.fastest = float(speeds[0]), float(speeds[-1])
         height = max(-leg["default_foot"][-1] for leg in gait_map.manifest.scenario["robot"]["legs"])
         self._longest = LONGEST * math.sqrt(height / GRAVITY)
+        self._asked: deque[float] = deque(maxlen=round(SMOOTHING * RATE))  # m/s, the last ones
         self._choice: Choice | None = None  # the last answer
         self._followed: Choice | None = None  # the one whose motion is followed, None at a stand
-        self.first = self._planned(self._asked(self._slowest))
+        self.first = self._planned(self.answer(self.slowest))
         self.motion: Motion | Journey = standing(self.first)
         self._map.switch(self.motion, self.first)  # the problem of transitions is built on first use, for seconds
         self.changes: list[Change] = []
@@ -65,24 +70,26 @@ class Pilot:
 
     def tick(self, now: float, asked: float) -> Motion | Journey:
         """What to follow from a time [s] on, when a speed [m/s] is asked for."""
-        wanted = self._wanted(asked)
+        self._asked.append(asked)
+        wanted = self._wanted(median(self._asked))
         if now >= max(self._settled, self._again) and self._differs(wanted):
             self._change(now, wanted)
         return self.motion
 
     def _wanted(self, asked: float) -> Choice | None:
         """The map's answer, None where it is to stand."""
-        if asked < self._slowest / (1 if self._followed is None else 2):
+        if asked < self.slowest / (1 if self._followed is None else 2):
             return None
-        speed = min(max(asked, self._slowest), self._fastest)
-        self._choice = self._asked(speed)
+        speed = min(max(asked, self.slowest), self.fastest)
+        self._choice = self.answer(speed, self._choice)
         return self._choice
 
-    def _asked(self, speed: float) -> Choice:
-        choice = self._map.select(speed=speed, previous=self._choice)
+    def answer(self, speed: float, previous: Choice | None = None) -> Choice:
+        """The map's gait and cycle duration at a speed [m/s] of its domain; it keeps those of `previous` if it can."""
+        choice = self._map.select(speed=speed, previous=previous)
         if choice.cycle_duration <= self._longest:
             return choice
-        return self._map.select(speed=speed, cycle_duration=self._longest, previous=self._choice)
+        return self._map.select(speed=speed, cycle_duration=self._longest, previous=previous)
 
     @property
     def _settled(self) -> float:

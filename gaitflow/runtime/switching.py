@@ -32,6 +32,7 @@ from gaitflow.solvers.program import Program, derivatives
 DURATIONS = (1.0, 1.5, 2.0)  # of a transition, over the mean of both cycles'
 TRIED, FOUND = 8, 3  # ways that are solved for a duration; how many feasible ones are compared
 BARRIER, LIMIT = 0.1, 60  # of a start without multipliers
+SMOOTHNESS = 1e3  # weight of a motion that is off by the speed of a fall, over that of forces as large as the weight
 PLACES = ("slope", "friction", "payload")  # what both motions must have alike
 TURNS = ("lateral_speed", "yaw_rate")
 
@@ -51,7 +52,9 @@ class TransitionProblem:
         tasks = own.tasks.as_data()
         tasks["axes"]["acceleration"] = {"start": -1.0, "stop": 1.0, "count": 2}  # it varies, by any amount
         # The swings that are followed have a height of their own, and those under way no middle.
-        changed = {"tasks": own.tasks.from_data(tasks, name), "swing_clearance": 0.0}
+        changed: dict[str, Any] = {"tasks": own.tasks.from_data(tasks, name), "swing_clearance": 0.0}
+        if own.objective.energy:
+            changed["objective"] = own.objective.from_data(_smoothness(scenario["robot"]), name)
         self.gait_problem = transcribe(own.model_copy(update=changed))
         self.scenario = self.gait_problem.scenario.as_data()
         self.derivatives = derivatives(self.gait_problem.nlp)
@@ -124,6 +127,21 @@ class TransitionPlanner:
             return None
         cost = outcome.cost * problem.cost_scale
         return PlannedTransition(way.first, way.last, way.pattern, task, trajectory, cost, violation)
+
+
+def _smoothness(robot: Mapping[str, Any]) -> dict[str, float]:
+    """The weights of J3 for any robot: speeds over those of a fall from its height, forces over its weight."""
+    height = max(-leg["default_foot"][-1] for leg in robot["legs"])
+    weight, fall = float(robot["mass"]) * GRAVITY, height / GRAVITY
+    speed = SMOOTHNESS / (GRAVITY * height)
+    return {
+        "force": 1 / weight**2,
+        "tangential_velocity": speed,
+        "normal_velocity": speed,
+        "tilt": SMOOTHNESS,
+        "tilt_rate": SMOOTHNESS * fall,
+        "lateral_foot": SMOOTHNESS / height**2,
+    }
 
 
 def check_switchable(scenario: Mapping[str, Any], motion: Motion, other: Motion) -> None:

@@ -9,21 +9,15 @@ import pytest
 
 from gaitflow.clients.description import describe
 from gaitflow.clients.drive import Course, borders, drive
-from gaitflow.clients.pilot import LEAD, Pilot
+from gaitflow.clients.pilot import LEAD, RATE, SMOOTHING, Pilot
 from gaitflow.clients.robot_model import RobotModel
-from gaitflow.motion import Journey
+from gaitflow.motion import Journey, Motion
 from gaitflow.runtime import GaitMap
 
 
 @pytest.fixture(scope="module")
 def energy(checkout: Path) -> GaitMap:
     return GaitMap.load(checkout / "models" / "anymal-energy")
-
-
-@pytest.fixture(scope="module")
-def vibration(checkout: Path) -> GaitMap:
-    """A map that plans transitions in a fifth of the time."""
-    return GaitMap.load(checkout / "models" / "anymal-exact-vibration")
 
 
 def test_a_course_goes_up_and_down_and_ends_at_rest() -> None:
@@ -37,33 +31,64 @@ def test_a_course_goes_up_and_down_and_ends_at_rest() -> None:
     np.testing.assert_array_equal(noisy, Course(1.2, 60.0, noise=0.02, seed=3).asked())
 
 
-def test_a_pilot_stands_until_it_is_asked_to_go_and_changes_by_transitions(vibration: GaitMap) -> None:
-    pilot = Pilot(vibration)
+def test_a_pilot_stands_until_it_is_asked_to_go_and_changes_by_transitions(energy: GaitMap) -> None:
+    pilot = Pilot(energy)
     stand = pilot.motion
-    assert pilot.tick(0.0, 0.0) is stand
-    assert pilot.tick(0.02, 0.06) is stand  # less than the slowest, 0.1 m/s
-    going = pilot.tick(0.04, 0.3)
+    assert held(pilot, 0.0, 0.0) is stand
+    assert held(pilot, 1.0, 0.15) is stand  # less than the slowest, 0.2 m/s
+    going = held(pilot, 2.0, 0.4)
     assert isinstance(going, Journey) and going.before is stand
     (change,) = pilot.changes
-    assert change.found and change.gaits[0] is None and change.speeds == (0.0, pytest.approx(0.3))
-    assert change.begins >= 0.04 + LEAD
-    assert pilot.tick(0.06, 0.6) is going  # under way
-    assert pilot.tick(change.settled, 0.33) is going  # noise
-    faster = pilot.tick(change.settled, 0.5)
+    assert change.found and change.gaits[0] is None and change.speeds[0] == 0.0
+    assert change.speeds[1] == pytest.approx(0.4)  # none on the way
+    assert change.begins >= change.decided + LEAD
+    assert pilot.tick(change.settled - 0.02, 0.8) is going  # under way
+    at = change.speeds[1]
+    assert held(pilot, change.settled, at + 0.02) is going
+    faster = held(pilot, change.settled + 1, at + 0.2)
     assert isinstance(faster, Journey) and faster.before is going
-    pilot.tick(faster.settled, 0.04)
+    held(pilot, faster.settled, 0.04)
     assert [change.gaits[1] is None for change in pilot.changes] == [False, False, True]
     assert pilot.changes[-1].found and pilot.changes[-1].speeds[1] == 0.0
 
 
-def test_borders_are_where_the_best_gait_changes(vibration: GaitMap) -> None:
-    gaits = [vibration.select(speed=speed).gait for speed in (0.1, 1.3)]
-    assert gaits[0] != gaits[1] and borders(vibration, Course(1.3, 10.0)) >= 2
+def test_noise_on_the_command_changes_nothing(energy: GaitMap) -> None:
+    pilot = Pilot(energy)
+    going = held(pilot, 0.0, 0.6)
+    assert isinstance(going, Journey)
+    settled, at = going.settled, pilot.changes[-1].speeds[1]
+    rng = np.random.default_rng(0)
+    noisy = [pilot.tick(settled + tick / RATE, at + rng.normal(0.0, 0.02)) for tick in range(250)]
+    assert all(motion is going for motion in noisy)
+
+
+def test_borders_are_where_the_best_gait_changes(energy: GaitMap) -> None:
+    pilot = Pilot(energy)
+    assert pilot.answer(0.5).gait != pilot.answer(1.2).gait
+    assert borders(pilot, Course(1.2, 10.0)) >= 2
+    assert borders(pilot, Course(0.2, 10.0)) == 0
 
 
 def test_cycles_are_kept_that_two_feet_can_balance(energy: GaitMap) -> None:
     assert energy.select(speed=0.3).cycle_duration > 1.0
-    assert Pilot(energy).first.period <= 0.87  # four times the square root of 0.46 m over gravity
+    assert Pilot(energy).answer(0.3).cycle_duration <= 0.65  # three times the square root of 0.46 m over gravity
+
+
+def test_a_pilot_of_an_energy_map_finds_all_its_transitions(energy: GaitMap) -> None:
+    pilot = Pilot(energy)
+    now = 0.0
+    for speed in (0.3, 0.6, 0.9, 1.2, 0.7, 0.2, 0.0):
+        motion = held(pilot, now, speed)
+        assert isinstance(motion, Journey)
+        now = motion.settled
+    assert len(pilot.changes) == 7 and all(change.found for change in pilot.changes)
+
+
+def held(pilot: Pilot, now: float, asked: float) -> Motion | Journey:
+    """What is followed after a speed was asked for as long as the pilot listens."""
+    ticks = round(SMOOTHING * RATE)
+    motions = [pilot.tick(now + tick / RATE, asked) for tick in range(ticks)]
+    return motions[-1]
 
 
 @pytest.mark.slow
