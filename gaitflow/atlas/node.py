@@ -57,7 +57,7 @@ class NodeSolver:
         self._space = problem.scenario.tasks.space
         self._columns = [AXIS_NAMES.index(axis) for axis in self._space.ranged]
         self._slopes = _lagrangian_slopes(problem.nlp, self._columns)
-        program = Program(problem.nlp)
+        program = Program(problem.separable)
         bounds = [problem.bounds(pattern) for pattern in patterns]
         self.methods = tuple(
             InteriorPoint(program, GaitSpace(each.lower, each.upper, each.lower_rows, each.upper_rows))

@@ -10,14 +10,15 @@ from typing import Any
 
 import casadi
 
+from gaitflow.problem.separable import SeparableProblem
 from gaitflow.solvers.program import derivatives
 
 # What each file holds. One function for all derivatives would take a compiler minutes and gigabytes in space.
 FILES = {"problem": ("problem", "gradient"), "jacobian": ("jacobian",), "hessian": ("hessian",)}
 
 
-def c_files(problem: Any, scenario: str) -> dict[str, bytes]:
-    """Sources and headers by name; `problem` is the map's (w [nw], task [axes]) -> (cost, rows [ng]).
+def c_files(problem: SeparableProblem, scenario: str) -> dict[str, bytes]:
+    """Sources and headers by name; `problem` is the map's.
 
     Each function's name begins with the scenario's, so that a planner may link several maps; map.h declares all of
     them and gives them names that every map has. Equal problems give equal files.
@@ -36,11 +37,11 @@ def identifier(scenario: str) -> str:
     return words if words[:1].isalpha() else f"map_{words}".rstrip("_")
 
 
-def _functions(problem: Any, prefix: str) -> dict[str, Any]:
+def _functions(problem: SeparableProblem, prefix: str) -> dict[str, Any]:
     """By name: the functions of (w, task), the Hessian's of (w, task, multipliers)."""
-    sizes = {"w": problem.numel_in(0), "task": problem.numel_in(1), "multipliers": problem.numel_out(1)}
-    w, task, multipliers = (casadi.SX.sym(name, size) for name, size in sizes.items())
-    cost, rows, gradient, jacobian, hessian = derivatives(problem)(w, task, multipliers)
+    function = derivatives(problem)
+    w, task, multipliers = (casadi.SX.sym(function.name_in(i), function.numel_in(i)) for i in range(3))
+    cost, rows, gradient, jacobian, hessian = function(w, task, multipliers)
     primal, names = [w, task], ["w", "task"]
     results = {
         "problem": (primal, [cost, rows], names, ["cost", "rows"]),

@@ -26,8 +26,8 @@ class PlannedTransition:
     """A transition as it is planned, in the frame that follows the first motion's command at its start.
 
     first, last: where the two gaits are left and joined. task: the mean of both commands, an acceleration from the one
-    speed to the other, and the transition's duration in place of a cycle's. cost in the units of the transitions' objective; violation is
-    the worst scaled one by `gaitflow.core.check`, with the two states in place of periodicity.
+    speed to the other, and the transition's duration in place of a cycle's. cost is by the objective of transitions;
+    violation is the worst scaled one by `gaitflow.core.check`, with the two states in place of periodicity.
     """
 
     first: PhaseStart

@@ -15,9 +15,7 @@ from gaitflow.config.robot import Robot
 from gaitflow.config.scenario import Objective
 from gaitflow.core.layout import GRAVITY
 from gaitflow.core.trajectory import Array
-from gaitflow.problem.dynamics import Node
 from gaitflow.problem.limb import LegPose
-from gaitflow.problem.orientation import world_to_base
 from gaitflow.problem.task import TaskParameters
 
 SMOOTH_POWER = 0.1  # W/kg: a hundredth of what lifting the robot at 1 m/s takes
@@ -37,17 +35,13 @@ class JointCost:
             for limb, leg in zip(self._limbs, robot.legs, strict=True)
         ]
 
-    def standing(self, node: Node) -> ca.SX:
-        """Of the legs that push, per second: feet with forces are at rest."""
-        into_base = world_to_base(node.angles)
-        passing = into_base @ node.velocity
-        total = ca.SX(0)
-        for limb, foot, force in zip(self._limbs, node.feet, node.forces, strict=True):
-            place = into_base @ (foot - node.position)
-            pose = LegPose(limb, place)
-            rates = pose.rates(-passing - ca.cross(node.omega, place))
-            total += self._per_second(-pose.torques(into_base @ force), rates)
-        return total
+    def standing(self, leg: int, place: ca.SX, velocity: ca.SX, force: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """Torques [3] N m and rates [3] rad/s of a leg that carries a force [3] N; all in the base frame.
+
+        place, velocity [3]: its foot's.
+        """
+        pose = LegPose(self._limbs[leg], place)
+        return -pose.torques(force), pose.rates(velocity)
 
     def swing(self, leg: int, task: TaskParameters, duration: ca.SX, apex: float) -> ca.SX:
         """Of a leg's one swing of a duration [s]: the curve that is followed, see `gaitflow.motion.swing`.
@@ -55,18 +49,25 @@ class JointCost:
         Over the ground a minimum-jerk line as long as a cycle's way, in height such a piece up to `apex` [m] and one
         down, against the leg's place in a body that moves as commanded; and the leg's mass lifted by half the apex.
         """
-        cycle, passing = task["cycle_duration"], task.passing(self._feet[leg])
-        rates, torques = self._standing[leg]
-        cost = ca.SX(self._objective.joint_work * self._limbs[leg].mass * GRAVITY * apex / 2)
+        to_rates, to_torques = self._standing[leg]
+        passing, up = task.passing(self._feet[leg]), ca.DM([0.0, 0.0, apex])
+        way = passing * task["cycle_duration"]
+        slide, way_rates, up_rates = to_rates @ passing, to_rates @ way, to_rates @ up
+        way_torques, up_torques = to_torques @ way, to_torques @ up
+        squares, work = ca.SX(0), ca.SX(0)
         for part, weight in zip(*_gauss(SWING_POINTS), strict=True):
             (pace, gain), (climb, push) = _minimum_jerk(part), _minimum_jerk(2 * part % 1)
             sign = 1 if part < 0.5 else -1
-            velocity = (passing * cycle * pace + ca.vertcat(0, 0, 2 * sign * apex * climb)) / duration - passing
-            acceleration = (passing * cycle * gain + ca.vertcat(0, 0, 4 * sign * apex * push)) / duration**2
-            cost += weight * duration * self._per_second(torques @ acceleration, rates @ velocity)
-        return cost
+            torques = gain * way_torques + 4 * sign * push * up_torques  # times the duration squared
+            rates = pace * way_rates + 2 * sign * climb * up_rates - slide * duration  # times the duration
+            squares += weight * ca.sumsqr(torques)
+            work += weight * ca.sum1(positive(torques * rates / duration**3, self._smallest))
+        lifted = self._limbs[leg].mass * GRAVITY * apex / 2
+        heat = self._objective.joint_heat * squares / duration**3
+        return heat + self._objective.joint_work * (lifted + work * duration)
 
-    def _per_second(self, torques: ca.SX, rates: ca.SX) -> ca.SX:
+    def per_second(self, torques: ca.SX, rates: ca.SX) -> ca.SX:
+        """Weighted heat and work of joints by their torques [n] N m and rates [n] rad/s, per second."""
         heat = self._objective.joint_heat * ca.sumsqr(torques)
         if not self._objective.joint_work:
             return heat

@@ -6,10 +6,8 @@ through big-M rows. Both are in scaled variables (see `layout`); a stored cost i
 
 from __future__ import annotations
 
-from collections import defaultdict
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import casadi as ca
 import numpy as np
@@ -21,9 +19,10 @@ from gaitflow.core.task import AXES
 from gaitflow.problem import contact, friction, kinematics, periodicity, timing
 from gaitflow.problem.bounds import Bounds, constant_rows, physical_bounds
 from gaitflow.problem.dynamics import Body, Node, body_of, node
-from gaitflow.problem.energy import JointCost
+from gaitflow.problem.energy_elements import energy_elements
 from gaitflow.problem.objectives import StepCost
 from gaitflow.problem.reach import reach_rows
+from gaitflow.problem.separable import Element, SeparableProblem
 from gaitflow.problem.step import base_defects
 from gaitflow.problem.task import TaskParameters, task_parameters
 
@@ -33,6 +32,7 @@ class GaitProblem:
     """A scenario's program; build it with `transcribe`.
 
     nlp: (w [nw], task [axes]) -> (cost [1], rows [ng]); the task's values are in the order and units of AXES.
+    `separable` is the same in parts.
     minlp: (w [nw + legs*phases], task [axes]) -> (cost [1], rows [ng_minlp]); the contacts follow w, leg-major.
     Rows come in groups: defects [K, nx], foot offsets at knots [K, legs*d] and, but for euler, in the middle of steps
     [K, legs*d], friction [force nodes, legs*2(d-1)], where the command may turn horizontal foot velocities
@@ -43,8 +43,13 @@ class GaitProblem:
 
     scenario: Scenario
     layout: Layout
-    nlp: ca.Function
+    separable: SeparableProblem
     cost_scale: float
+
+    @property
+    def nlp(self) -> ca.Function:
+        """The program as one function."""
+        return self.separable.function
 
     @property
     def ng(self) -> int:
@@ -109,8 +114,12 @@ def transcribe(scenario: Scenario) -> GaitProblem:
     scale = _cost_scale(scenario, layout)
     w, parameters = ca.SX.sym("w", layout.nw), ca.SX.sym("task", len(AXES))
     cost, groups = _terms(scenario, layout, w, parameters)
-    nlp = ca.Function("nlp", [w, parameters], [cost / scale, ca.vertcat(*groups)], ["w", "task"], ["cost", "rows"])
-    return GaitProblem(scenario, layout, nlp, scale)
+    rest = ca.Function("nlp", [w, parameters], [cost / scale, ca.vertcat(*groups)], ["w", "task"], ["cost", "rows"])
+    return GaitProblem(scenario, layout, SeparableProblem(rest, _elements(scenario, layout, scale)), scale)
+
+
+def _elements(scenario: Scenario, layout: Layout, scale: float) -> tuple[Element, ...]:
+    return energy_elements(scenario, layout, scale) if scenario.objective.energy else ()
 
 
 def _cost_scale(scenario: Scenario, layout: Layout) -> float:
@@ -183,28 +192,9 @@ def _terms(scenario: Scenario, layout: Layout, w: ca.SX, parameters: ca.SX) -> t
             cones.append(friction.friction_rows(task["friction"], last))
         if scenario.tasks.varies("yaw_rate"):
             speeds += [velocity[:-1] for velocity in _foot_velocities(layout, w, task, times, k)]
-    if objective.energy:
-        cost += _energy(scenario, layout, w, task, nodes, times)
     reaches = _reaches(scenario, layout, w, task, nodes, times) if scenario.follows_swings else []
     closing = periodicity.periodicity_rows(layout, w[layout.state(0)], w[layout.state(layout.steps)], task)
     return cost, [*defects, *offsets, *between, *cones, *speeds, *reaches, closing, timing.cycle_row(fractions)]
-
-
-def _energy(
-    scenario: Scenario, layout: Layout, w: ca.SX, task: TaskParameters, nodes: _Nodes, times: list[ca.SX]
-) -> ca.SX:
-    """The joints' part of the cost: standing legs by the trapezoidal rule, and a swing a leg."""
-    joints = JointCost(scenario.robot, scenario.objective)
-    steps = [end - start for start, end in pairwise(times)]
-    shares: dict[Node, ca.SX] = defaultdict(lambda: ca.SX(0))  # steps that meet inside a phase have a node in common
-    for k, h in enumerate(steps):
-        for end in (nodes.start(k), nodes.end(k)):
-            shares[end] += h / 2
-    cost = sum((share * joints.standing(end) for end, share in shares.items()), ca.SX(0))
-    for leg in range(layout.legs):
-        swinging = ca.dot(w[layout.fractions], 1 - w[layout.contacts(leg)])
-        cost += joints.swing(leg, task, task["cycle_duration"] * swinging, scenario.swing_clearance)
-    return cost
 
 
 def _reaches(
@@ -251,6 +241,7 @@ def _minlp(scenario: Scenario, layout: Layout, cost_scale: float) -> ca.Function
     contacts = layout.legs * layout.phases
     w, parameters = ca.SX.sym("w", layout.nw + contacts), ca.SX.sym("task", len(AXES))
     cost, groups = _terms(scenario, layout, w[: layout.nw], parameters)
+    cost = cost / cost_scale + sum((e.cost(w, parameters) for e in _elements(scenario, layout, cost_scale)), ca.SX(0))
     c = ca.reshape(w[layout.nw :], layout.phases, layout.legs)
     task = task_parameters(scenario.tasks, parameters)
     times = _times(layout, w[layout.fractions], task["cycle_duration"])
@@ -266,6 +257,4 @@ def _minlp(scenario: Scenario, layout: Layout, cost_scale: float) -> ca.Function
     if scenario.stances_per_leg == 1:
         rows, _, _ = contact.one_stance_rows(layout.legs, layout.phases)
         groups.append(ca.DM(rows) @ w[layout.nw :])
-    return ca.Function(
-        "minlp", [w, parameters], [cost / cost_scale, ca.vertcat(*groups)], ["w", "task"], ["cost", "rows"]
-    )
+    return ca.Function("minlp", [w, parameters], [cost, ca.vertcat(*groups)], ["w", "task"], ["cost", "rows"])

@@ -10,7 +10,7 @@ import threading
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import gaitflow
 from gaitflow.core.errors import ArtifactError
@@ -22,6 +22,9 @@ from gaitflow.runtime.problem_check import EQUAL, parse_problem_check
 from gaitflow.solvers.options import IPOPT_WARM
 from gaitflow.solvers.point import GaitSpace
 from gaitflow.solvers.program import derivatives
+
+if TYPE_CHECKING:
+    from gaitflow.problem.separable import SeparableProblem
 
 # IPOPT with MUMPS crashes when two threads of one process solve at once (casadi issue 3456).
 _SOLVING = threading.Lock()
@@ -41,8 +44,8 @@ class Problem:
 
     def __init__(self, folder: Path, manifest: Manifest, rows: int, trust_code: bool = False) -> None:
         self._options = manifest.solver_options
-        self.function = load_problem(folder, manifest, rows, trust_code)
-        self.derivatives = derivatives(self.function)
+        self.separable = load_problem(folder, manifest, rows, trust_code)
+        self.derivatives = derivatives(self.separable)
 
     def ipopt(self, space: GaitSpace, task: Array, primal: Array, bounds: Array, rows: Array) -> IpoptAnswer:
         """Solve a gait at a task [axes] from a decision vector [nw] and multipliers of bounds [nw] and rows [ng].
@@ -61,28 +64,30 @@ class Problem:
 
     def cost(self, w: Array, task: Array) -> float:
         """The problem's cost of w [nw] at a task [axes]."""
-        return float(self.function(w, task)[0])
+        return float(self.separable.function(w, task)[0])
 
     @cached_property
     def _ipopt(self) -> Any:
         from gaitflow.solvers.ipopt import make_ipopt
 
-        return make_ipopt(self.function, {**IPOPT_WARM, "max_iter": 300, **self._options})
+        return make_ipopt(self.separable.function, {**IPOPT_WARM, "max_iter": 300, **self._options})
 
 
-def load_problem(folder: Path, manifest: Manifest, rows: int, trust_code: bool = False) -> Any:
-    """The CasADi function (w [nw], task [axes]) -> (cost [1], rows [ng]) of the artifact in `folder`.
+def load_problem(folder: Path, manifest: Manifest, rows: int, trust_code: bool = False) -> SeparableProblem:
+    """The problem (w [nw], task [axes]) -> (cost [1], rows [ng]) of the artifact in `folder`.
 
     `rows` is ng; `trust_code` allows to run the code in artifacts of formats 1 and 2.
     Raises ImportError without gaitflow[solve], ArtifactError when the problem cannot be had or is not the one that was
     published.
     """
     _need_solvers()
-    if manifest.format < FORMAT:
-        return legacy.stored_problem(folder, manifest, rows, trust_code)
     from gaitflow.config.file import ConfigError
     from gaitflow.config.scenario import Scenario
     from gaitflow.problem import transcribe
+    from gaitflow.problem.separable import SeparableProblem
+
+    if manifest.format < FORMAT:
+        return SeparableProblem(legacy.stored_problem(folder, manifest, rows, trust_code))
 
     path = folder / PROBLEM_CHECK
     stored = parse_problem_check(
@@ -101,7 +106,7 @@ def load_problem(folder: Path, manifest: Manifest, rows: int, trust_code: bool =
             f"{path}: of this map's scenario gaitflow {here}, which is installed, makes another problem than gaitflow "
             f"{there} made, which published it: {fault}; install gaitflow {there}, or publish the map again"
         )
-    return problem.nlp
+    return problem.separable
 
 
 def _need_solvers() -> None:

@@ -84,7 +84,7 @@ class Refiner:
         self._manifest = manifest
         self._tensors = tensors
         self._atlas = atlas
-        self._program = Program(problem.function, problem.derivatives)
+        self._program = Program(problem.separable, problem.derivatives)
         self._methods: dict[tuple[int, int | None], InteriorPoint] = {}
         for number, sheet in enumerate(atlas.sheets):
             self.method(Candidate(sheet.gait, number))

@@ -57,7 +57,7 @@ class TransitionProblem:
             changed["objective"] = own.objective.from_data(_smoothness(scenario["robot"]), name)
         self.gait_problem = transcribe(own.model_copy(update=changed))
         self.scenario = self.gait_problem.scenario.as_data()
-        self.derivatives = derivatives(self.gait_problem.nlp)
+        self.derivatives = derivatives(self.gait_problem.separable)
 
 
 class TransitionPlanner:
@@ -65,7 +65,7 @@ class TransitionPlanner:
 
     def __init__(self, problem: TransitionProblem) -> None:
         self._problem = problem
-        self._program = Program(problem.gait_problem.nlp, problem.derivatives)
+        self._program = Program(problem.gait_problem.separable, problem.derivatives)
 
     def plan(self, motion: Motion, other: Motion) -> PlannedTransition:
         """The cheapest of the first transitions that are found from one motion to another, the shortest first.

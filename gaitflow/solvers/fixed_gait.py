@@ -92,7 +92,7 @@ class FixedGaitSolver:
 
     @cached_property
     def _program(self) -> Program:
-        return Program(self.problem.nlp)
+        return Program(self.problem.separable)
 
     @cached_property
     def _ipopt(self) -> ca.Function:

@@ -4,22 +4,30 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from gaitflow.core.trajectory import Array
+from gaitflow.solvers.elements import with_elements
+
+if TYPE_CHECKING:
+    from gaitflow.problem.separable import SeparableProblem
 
 Places = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
-def derivatives(problem: Any) -> Any:
+def derivatives(problem: SeparableProblem) -> Any:
     """The CasADi function (w [nw], task [axes], multipliers [ng]) -> (cost, rows, gradient, Jacobian, Hessian).
 
-    `problem` is (w, task) -> (cost, rows); the Hessian is the upper triangle of the Lagrangian's, cost + multipliers @
-    rows. Evaluating it takes no compiler.
+    The Hessian is the upper triangle of the Lagrangian's, cost + multipliers @ rows. Evaluating it takes no compiler.
     """
+    rest = _rest_derivatives(problem.rest)
+    return with_elements(rest, problem.elements) if problem.elements else rest
+
+
+def _rest_derivatives(problem: Any) -> Any:
     import casadi
 
     w = casadi.SX.sym("w", problem.numel_in(0))
@@ -33,16 +41,16 @@ def derivatives(problem: Any) -> Any:
 
 
 class Program:
-    """A problem (w [nw], task [axes]) -> (cost, rows [ng]) and its derivatives. For one thread.
+    """A problem and its derivatives. For one thread.
 
     Arrays hold the values of the last evaluation: cost [1], rows [ng], gradient [nw]; jacobian and hessian are the
     values of fixed places, (row, column) each: `jacobian_places` and, upper triangle, `hessian_places`. Programs of one
     problem may share its `derivatives`, which take seconds to build in space.
     """
 
-    def __init__(self, problem: Any, function: Any | None = None) -> None:
+    def __init__(self, problem: SeparableProblem, function: Any | None = None) -> None:
         function = derivatives(problem) if function is None else function
-        self._problem = problem
+        self._problem = problem.function
         self.variables, self.row_count = function.numel_in(0), function.numel_in(2)
         self.jacobian_places = _places(function.sparsity_out(3))
         self.hessian_places = _places(function.sparsity_out(4))
@@ -53,7 +61,7 @@ class Program:
         every = [self.cost, self.rows, self.gradient, self.jacobian, self.hessian]
         self._buffers: list[Any] = []  # which have to live as long as what evaluates into them
         self._evaluate = self._bound(function, self._inputs, every)
-        self._evaluate_rows = self._bound(problem, self._inputs[:2], every[:2])
+        self._evaluate_rows = self._bound(self._problem, self._inputs[:2], every[:2])
 
     def evaluate(self, w: Array, task: Array, multipliers: Array) -> None:
         """Evaluate all at w [nw], task [axes] and multipliers [ng]."""

@@ -103,7 +103,7 @@ def check_start(answer: dict[str, Any], artifact: Artifact, start: Any, problem:
         np.testing.assert_allclose(answer[name], expected, rtol=1e-9, atol=1e-12 * np.abs(expected).max())
     space = artifact.manifest.space
     task = space.task({axis: answer[axis] for axis in space.ranged}).parameters
-    cost, rows = (np.asarray(each).ravel() for each in problem(answer["primal"], task))
+    cost, rows = (np.asarray(each).ravel() for each in problem.function(answer["primal"], task))
     np.testing.assert_allclose(answer["cost"], cost[0], rtol=1e-12)
     np.testing.assert_allclose(answer["rows"], rows, rtol=1e-12, atol=1e-12 * max(1.0, np.abs(rows).max()))
     program.evaluate(start.primal, task, start.multipliers_rows)
@@ -165,7 +165,7 @@ def test_two_maps_link_into_one_program(exported: Exported, tmp_path: Path) -> N
         (other / name).write_bytes(content)
     library = shared(tmp_path, exported.folder, other)
     for name in ("quickstart_problem", "map_2d_other_problem"):
-        assert casadi.external(name, str(library)).numel_out(1) == problem.numel_out(1)
+        assert casadi.external(name, str(library)).numel_out(1) == problem.function.numel_out(1)
 
 
 def resealed(content: bytes) -> bytes:

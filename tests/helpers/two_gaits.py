@@ -28,12 +28,12 @@ def problem(effort: Scenario) -> GaitProblem:
 @pytest.fixture(scope="session")
 def evaluated(problem: GaitProblem) -> object:
     """The problem with its derivatives, as CasADi's function."""
-    return derivatives(problem.nlp)
+    return derivatives(problem.separable)
 
 
 @pytest.fixture
 def program(problem: GaitProblem, evaluated: object) -> Program:
-    return Program(problem.nlp, evaluated)
+    return Program(problem.separable, evaluated)
 
 
 @pytest.fixture(scope="session")

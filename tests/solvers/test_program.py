@@ -75,7 +75,7 @@ def test_derivatives_are_those_of_finite_differences(program: Program, near: tup
 def test_two_programs_of_one_function_do_not_disturb_each_other(
     problem: GaitProblem, evaluated: Any, near: tuple
 ) -> None:
-    one, other = (Program(problem.nlp, evaluated) for _ in range(2))
+    one, other = (Program(problem.separable, evaluated) for _ in range(2))
     w, multipliers = near
     one.evaluate(w, TASK, multipliers)
     names = ("cost", "rows", "gradient", "jacobian", "hessian")
@@ -97,7 +97,7 @@ def test_the_arrays_stay_the_same_ones(program: Program, near: tuple) -> None:
 
 
 def test_it_builds_its_own_derivatives(problem: GaitProblem, program: Program, near: tuple) -> None:
-    own = Program(problem.nlp)
+    own = Program(problem.separable)
     for each in (own, program):
         each.evaluate(near[0], TASK, near[1])
     np.testing.assert_array_equal(own.hessian, program.hessian)
