@@ -21,7 +21,7 @@ from gaitflow.solvers.interior_point import Outcome
 ROUNDS = 3
 MOST_TESTS = 1000  # on two axes
 FURTHER_AXIS = 3  # times as many, for each axis beyond two
-FEWER_OF_ENERGY = 6  # times fewer: energy's derivatives take five times as long
+FEWER_OF_ENERGY = 3  # times fewer: energy's derivatives take three times as long
 GOOD = 8  # iterations that a prediction may need
 LIMIT = 18  # iterations beyond which a prediction led nowhere
 WRONG = 0.02  # relative error of a predicted cost that is not good
