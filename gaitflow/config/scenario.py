@@ -45,6 +45,7 @@ class Objective(Config):
     tilt: Weight = 0.0  # base angles against the terrain, squared [rad^2 s]
     tilt_rate: Weight = 0.0  # their rates, squared [rad^2/s]
     lateral_foot: Weight = 0.0  # (P_y - default P_y)^2, 3D only [m^2 s]
+    force_rate: Weight = 0.0  # squared rates of contact forces, jumps between phases as ramps of 20 ms [N^2/s]
     joint_heat: Weight = 0.0  # sum of squared joint torques, 3D only [N^2 m^2 s]; a weight in W / (N m)^2 makes it J
     joint_work: Weight = 0.0  # sum of the joints' positive power, 3D only [J]
 
@@ -60,10 +61,11 @@ class Objective(Config):
         return bool(self.joint_heat or self.joint_work)
 
     @model_serializer(mode="wrap")
-    def _without_unused_energy(self, data: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Objectives without energy are the same data as before there was any."""
+    def _without_unused(self, data: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Objectives without energy or force rate are the same data as before there was any."""
         found: dict[str, Any] = data(self)
-        unused = () if self.energy else ("joint_heat", "joint_work")
+        unused = set() if self.energy else {"joint_heat", "joint_work"}
+        unused |= set() if self.force_rate else {"force_rate"}
         return {key: value for key, value in found.items() if key not in unused}
 
 
@@ -172,6 +174,11 @@ class Scenario(Config):
             raise ValueError(
                 f"swing_clearance = {self.swing_clearance:g}: the strategy 'bonmin' knows no middle of a swing; "
                 "allowed is 0"
+            )
+        if self.objective.force_rate and self.transcription.forces != "linear":
+            raise ValueError(
+                f"objective.force_rate = {self.objective.force_rate:g}: held forces have no rate; it needs "
+                "transcription.forces = linear"
             )
         if self.objective.energy:
             self._has_joints()

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from gaitflow.core.force_rate import force_rate
 from gaitflow.core.joints import Joints
 from gaitflow.core.rigid_body import Attitude, RigidBody, moment
 from gaitflow.core.task import Task
@@ -44,7 +45,8 @@ def cost(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task, patter
         integrands += _watts(joints, motion.body, seen)
         swinging = np.array([[digit == "0" for digit in row] for row in pattern.split("/")])
         swings = joints.swings(task, swinging @ trajectory.durations, float(scenario.get("swing_clearance", 0.0)))
-    return float(weights @ integrands @ motion.h) + swings
+    rates = float(scenario["objective"].get("force_rate", 0.0)) * force_rate(trajectory, motion.h, task)
+    return float(weights @ integrands @ motion.h) + swings + rates
 
 
 def between_knots(

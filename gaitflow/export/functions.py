@@ -10,7 +10,7 @@ from typing import Any
 
 import casadi
 
-from gaitflow.problem.separable import SeparableProblem
+from gaitflow.problem import SeparableProblem
 from gaitflow.solvers.program import derivatives
 
 # What each file holds. One function for all derivatives would take a compiler minutes and gigabytes in space.

@@ -1,6 +1,7 @@
 """The gait problem, eq. (2)-(10) of the paper, one physical term a file; knows nothing of files."""
 
 from gaitflow.problem.bounds import Bounds
+from gaitflow.problem.separable import SeparableProblem
 from gaitflow.problem.transcription import GaitProblem, transcribe
 
-__all__ = ["Bounds", "GaitProblem", "transcribe"]
+__all__ = ["Bounds", "GaitProblem", "SeparableProblem", "transcribe"]

@@ -20,6 +20,7 @@ from gaitflow.problem import contact, friction, kinematics, periodicity, timing
 from gaitflow.problem.bounds import Bounds, constant_rows, physical_bounds
 from gaitflow.problem.dynamics import Body, Node, body_of, node
 from gaitflow.problem.energy_elements import energy_elements
+from gaitflow.problem.force_rate import force_rate
 from gaitflow.problem.objectives import StepCost
 from gaitflow.problem.reach import reach_rows
 from gaitflow.problem.separable import Element, SeparableProblem
@@ -125,7 +126,7 @@ def _elements(scenario: Scenario, layout: Layout, scale: float) -> tuple[Element
 def _cost_scale(scenario: Scenario, layout: Layout) -> float:
     """A cost of order one for the solver: the largest weight, forces over the robot's weight."""
     weights = scenario.objective.as_data()
-    force = weights.pop("force") * layout.weight**2
+    force = (weights.pop("force") + weights.pop("force_rate", 0.0)) * layout.weight**2
     heat, work = weights.pop("joint_heat", 0.0), weights.pop("joint_work", 0.0)
     lever = max(-leg.default_foot[-1] for leg in scenario.robot.legs)
     return max(force, heat * (layout.weight * lever) ** 2, work * layout.weight * lever, *weights.values())
@@ -192,6 +193,8 @@ def _terms(scenario: Scenario, layout: Layout, w: ca.SX, parameters: ca.SX) -> t
             cones.append(friction.friction_rows(task["friction"], last))
         if scenario.tasks.varies("yaw_rate"):
             speeds += [velocity[:-1] for velocity in _foot_velocities(layout, w, task, times, k)]
+    if objective.force_rate:
+        cost += objective.force_rate * force_rate(layout, w, task, times)
     reaches = _reaches(scenario, layout, w, task, nodes, times) if scenario.follows_swings else []
     closing = periodicity.periodicity_rows(layout, w[layout.state(0)], w[layout.state(layout.steps)], task)
     return cost, [*defects, *offsets, *between, *cones, *speeds, *reaches, closing, timing.cycle_row(fractions)]

@@ -24,7 +24,7 @@ from gaitflow.solvers.point import GaitSpace
 from gaitflow.solvers.program import derivatives
 
 if TYPE_CHECKING:
-    from gaitflow.problem.separable import SeparableProblem
+    from gaitflow.problem import SeparableProblem
 
 # IPOPT with MUMPS crashes when two threads of one process solve at once (casadi issue 3456).
 _SOLVING = threading.Lock()
@@ -83,8 +83,7 @@ def load_problem(folder: Path, manifest: Manifest, rows: int, trust_code: bool =
     _need_solvers()
     from gaitflow.config.file import ConfigError
     from gaitflow.config.scenario import Scenario
-    from gaitflow.problem import transcribe
-    from gaitflow.problem.separable import SeparableProblem
+    from gaitflow.problem import SeparableProblem, transcribe
 
     if manifest.format < FORMAT:
         return SeparableProblem(legacy.stored_problem(folder, manifest, rows, trust_code))

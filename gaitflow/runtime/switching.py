@@ -53,7 +53,7 @@ class TransitionProblem:
         tasks["axes"]["acceleration"] = {"start": -1.0, "stop": 1.0, "count": 2}  # it varies, by any amount
         # The swings that are followed have a height of their own, and those under way no middle.
         changed: dict[str, Any] = {"tasks": own.tasks.from_data(tasks, name), "swing_clearance": 0.0}
-        if own.objective.energy:
+        if own.objective.energy or own.objective.force_rate:  # which are of whole cycles
             changed["objective"] = own.objective.from_data(_smoothness(scenario["robot"]), name)
         self.gait_problem = transcribe(own.model_copy(update=changed))
         self.scenario = self.gait_problem.scenario.as_data()

@@ -13,7 +13,7 @@ from gaitflow.core.trajectory import Array
 from gaitflow.solvers.elements import with_elements
 
 if TYPE_CHECKING:
-    from gaitflow.problem.separable import SeparableProblem
+    from gaitflow.problem import SeparableProblem
 
 Places = tuple[NDArray[np.intp], NDArray[np.intp]]
 
