@@ -7,15 +7,19 @@ task.
 
 **How a number is predicted at a place x** (a cost's logarithm, or coordinates), all lengths in `steps` of the axes:
 
-1. The nodes p_i of the sheet that are nearer than REACH = 1.5 take part, with weights that are the cubes of
-   (REACH - d) / (REACH d), d = |p_i - x| but 1e-6 at the least, divided by their sum.
-2. For coordinates, and for the cost that comes with them (`predict`), nodes are left out whose first-order prediction
+1. The nodes p_i of the sheet that are nearer than REACH = 1.5 take part, with weights v_i that are the cubes of
+   (REACH - d) / (REACH d), d = |p_i - x| but 1e-6 at the least.
+2. A node that expects the logarithm of the cost to change by c up to x weighs v_i / (1 + (c / STEEP)^2), STEEP = 0.3.
+   Rule 4 with these weights comes to a cost; one whose own promise is off that by q weighs 1 / (1 + (q / ODD)^2) times
+   as much, ODD = 0.1; and so once more. The weights w_i are these, divided by their sum.
+3. For coordinates, and for the cost that comes with them (`predict`), nodes are left out whose first-order prediction
    c_i + T_i (x - p_i) is further than `tear` from that of the nearest node; `costs`, for all sheets, asks all nodes.
-3. With m = sum of w_i (p_i - x), by how much the nodes' centre is off x, the prediction is the sum of
+4. With m = sum of w_i (p_i - x), by how much the nodes' centre is off x, the prediction is the sum of
    w_i (c_i - T_i (p_i - x + m) / 2).
 
-With one node, 3 is its first-order prediction. Amid several it follows each tangent half of the way, which is right to
-second order (m is small there), where whole tangents are only to first: they all err to the same side of a bent curve.
+With one node, 4 is its first-order prediction. Amid several it follows each tangent half of the way, which is nearly
+right to second order (m is small there), where whole tangents are only to first: they all err to the same side of a
+bent curve.
 """
 
 from __future__ import annotations
@@ -28,11 +32,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitflow.core.trajectory import Array
-from gaitflow.runtime.nearby import REACH, EveryNode, weights_of
+from gaitflow.runtime.nearby import REACH, EveryNode, Near, weights_of
 from gaitflow.solvers.point import GaitSpace
 
 SUPPORT = 0.7  # of a cost that is believed: the nodes' centre is at most 0.45 steps off
-DOUBT = 0.5  # of the spread of the nodes' promises: a cost is seldom further below its prediction
+DOUBT = 0.25  # of the spread of the nodes' promises: a cost is seldom further below its prediction
 LARGEST_LOG = 700.0  # of a cost, so that its exponential is a number
 
 
@@ -95,19 +99,17 @@ class Atlas:
     def costs(self, place: Array) -> tuple[Array, Array]:
         """The problem's cost of each sheet at a place, and how well its nodes surround the place, its support.
 
-        Support is 1 - |m| / REACH, m from the centre of the sheet's nodes to the place as in the rule above: 1 amid or
+        Support is 1 - |m| / REACH, m from the centre of the sheet's nodes, by distance alone, to the place: 1 amid or
         upon nodes, less beyond the last ones. Where it is 0 there is no node within reach, and the cost is NaN.
         """
         count = len(self.sheets)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             near = self._every.near(place / self.steps)
-            total = np.bincount(near.owner, near.weights, count)
-            logs, lean = near.logs, np.zeros(count)
-            for offset, slope in zip(near.offsets, near.slopes, strict=True):
+            total, lean = np.bincount(near.owner, near.weights, count), np.zeros(count)
+            for offset in near.offsets:
                 mean = np.bincount(near.owner, near.weights * offset, count) / total
-                logs = logs - slope * (offset + mean[near.owner]) / 2
                 lean += mean * mean
-            mixed = np.bincount(near.owner, near.weights * logs, count) / total
+            mixed = near.blended(near.agreed(count), count)
             costs = np.exp(np.clip(mixed, -LARGEST_LOG, LARGEST_LOG))
             return costs, np.where(total > 0, 1 - np.sqrt(lean) / REACH, 0.0)
 
@@ -137,12 +139,19 @@ class Atlas:
         near, offsets = near[:within], offsets[:within]
         coordinates, tangents = nodes.coordinates(near), nodes.tangents(near)
         moved = coordinates - _along(tangents, offsets)
-        weights = weights_of(distances[:within])
-        weights = np.where(np.linalg.norm(moved - moved[0], axis=1) <= chosen.tear, weights, 0.0)
+        alike = np.linalg.norm(moved - moved[0], axis=1) <= chosen.tear
+        own = Near(
+            owner=np.zeros(within, dtype=np.intp),
+            weights=np.where(alike, weights_of(distances[:within]), 0.0),
+            offsets=list(offsets.T),
+            logs=nodes.logs[near],
+            slopes=list(nodes.slopes[near].T),
+        )
+        weights = own.agreed(1)
+        log = float(own.blended(weights, 1)[0])
         weights /= weights.sum()
         halfway = (offsets + weights @ offsets) / 2
-        log = weights @ (nodes.logs[near] - (halfway * nodes.slopes[near]).sum(axis=1))
-        return self._prediction(chosen, float(log), weights @ (coordinates - _along(tangents, halfway)))
+        return self._prediction(chosen, log, weights @ (coordinates - _along(tangents, halfway)))
 
     def nearest(self, sheet: int, place: Array, count: int) -> list[Prediction]:
         """First-order predictions of the `count` nodes of a sheet nearest to a place, nearest first.
@@ -160,15 +169,14 @@ class Atlas:
         """What each sheet may cost at a place at the least, the problem's; infinite where the cost is not believed.
 
         A prediction is as good as its nodes agree: what it may be off by is DOUBT times the standard deviation, with
-        the nodes' weights, of the logarithms that they promise, each by its whole tangent.
+        the nodes' weights by distance alone, of the logarithms that they promise, each by its whole tangent.
         """
         (costs, support), count = self.costs(place), len(self.sheets)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             near = self._every.near(place / self.steps)
             total = np.bincount(near.owner, near.weights, count)
-            promises = near.logs - sum(offset * slope for offset, slope in zip(near.offsets, near.slopes, strict=True))
-            mean = np.bincount(near.owner, near.weights * promises, count) / total
-            squares = np.bincount(near.owner, near.weights * (promises - mean[near.owner]) ** 2, count)
+            mean = np.bincount(near.owner, near.weights * near.promises, count) / total
+            squares = np.bincount(near.owner, near.weights * (near.promises - mean[near.owner]) ** 2, count)
             return np.where(support < SUPPORT, np.inf, costs * np.exp(-DOUBT * np.sqrt(squares / total)))
 
     @staticmethod

@@ -1,9 +1,15 @@
-"""Which of an atlas' nodes are near a place, and what they weigh there; all lengths in steps of the axes."""
+"""Which of an atlas' nodes are near a place, and what they weigh there; all lengths in steps of the axes.
+
+Distance alone does not say how much a node knows of a place: at a cliff its slope holds for a hundredth of a step, and
+across a kink it belongs to another motion. So nodes count less by how much they expect the cost to change up to the
+place, and then by how far what they promise there is off what all of them come to.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +18,8 @@ from gaitflow.core.trajectory import Array
 
 REACH = 1.5  # nodes further away say nothing about a place
 NEAREST = 1e-6  # the least distance that weights tell apart
+STEEP, ODD = 0.3, 0.1  # change of a cost's logarithm, and what a promise of it is off, that halve a node's weight
+ROUNDS = 2  # of comparing promises: a third one changes nothing that matters
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +34,35 @@ class Near:
     offsets: list[Array]
     logs: Array
     slopes: list[Array]
+
+    @cached_property
+    def promises(self) -> Array:
+        """The logarithm of the cost at the place that each node promises by its slopes [n]."""
+        return self.logs - self._change
+
+    def agreed(self, count: int) -> Array:
+        """The weights [n] by distance, steepness and agreement; `count` is the number of sheets."""
+        steady = self.weights / (1 + (self._change / STEEP) ** 2)
+        weights = steady
+        for _ in range(ROUNDS):
+            off = self.promises - self.blended(weights, count)[self.owner]
+            weights = steady / (1 + (off / ODD) ** 2)
+        return weights
+
+    def blended(self, weights: Array, count: int) -> Array:
+        """The logarithm of each sheet's cost at the place [count] by weights [n]: tangents are followed half-way."""
+        total = np.bincount(self.owner, weights, count)
+        halves = np.asarray(np.bincount(self.owner, weights * (self.logs - self._change / 2), count), dtype=np.float64)
+        for offset, slope in zip(self.offsets, self.slopes, strict=True):
+            mean = np.bincount(self.owner, weights * offset, count) / total
+            halves = halves - mean * np.bincount(self.owner, weights * slope, count) / 2
+        return np.asarray(halves / total)
+
+    @cached_property
+    def _change(self) -> Array:
+        """Of the logarithm, from the place to each node by its slopes [n]."""
+        pairs = zip(self.offsets, self.slopes, strict=True)
+        return sum((offset * slope for offset, slope in pairs), np.zeros(len(self.logs)))
 
 
 class EveryNode:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from sheets import AXES, STEPS, Values, atlas, grid, sheet, sheet_of
 from tiny_map import TinyMap
@@ -55,11 +55,34 @@ def test_what_is_linear_is_predicted_exactly(place: tuple[float, float], c: list
 
 
 @given(coefficients)
-def test_amid_nodes_what_is_quadratic_is_predicted_exactly_too(c: list[float]) -> None:
+def test_amid_nodes_what_is_quadratic_is_predicted_nearly_exactly(c: list[float]) -> None:
     value, gradient = quadratic(c)
     made = atlas(sheet_of(value, gradient))
+    bend = 0.1 * (abs(c[3]) + abs(c[4]) / 2 + abs(c[5]))
     for place in ((1.5, 1.5), (2.5, 2.5), (2.0, 1.5)):  # whose nodes' centre they are
-        assert predicted(made, *place) == pytest.approx((value(*place),) * 2, rel=1e-4, abs=1e-4)
+        assert predicted(made, *place) == pytest.approx((value(*place),) * 2, rel=1e-4, abs=0.08 * bend + 1e-4)
+
+
+@given(inner)
+def test_a_node_at_a_cliff_does_not_decide_beside_it(place: tuple[float, float]) -> None:
+    """Its slope is that of its own place: half a step along it the cost would be a twenty-thousandth."""
+    assume(np.hypot(place[0] - 2, place[1] - 2) >= 0.4)
+    value, gradient = quadratic([1, 0.2, 0.1, 0, 0, 0])
+    one = sheet_of(value, gradient)
+    slopes = one.slopes.copy()
+    slopes[12] *= 100.0  # (2, 2)
+    off = np.log(atlas(replace(one, slopes=slopes)).costs(np.array(place) * STEPS)[0][0]) - value(*place)
+    assert abs(off) <= 0.1
+
+
+def test_a_node_of_another_motion_does_not_decide_beside_it() -> None:
+    value, gradient = quadratic([1, 0.2, 0.1, 0, 0, 0])
+    one = sheet_of(value, gradient)
+    costs = one.costs.copy()
+    costs[12] *= 3.0
+    made = atlas(replace(one, costs=costs))
+    assert np.log(made.costs(np.array([2.5, 2.5]) * STEPS)[0][0]) == pytest.approx(value(2.5, 2.5), abs=0.02)
+    assert np.log(made.costs(np.array([2.0, 2.0]) * STEPS)[0][0]) == pytest.approx(value(2, 2) + np.log(3), abs=1e-3)
 
 
 @given(inner, coefficients)
@@ -69,7 +92,7 @@ def test_elsewhere_it_is_nearer_than_the_nearest_nodes_tangent_is_at_worst(
     value, gradient = quadratic(c)
     made = atlas(sheet_of(value, gradient))
     bend = 0.1 * (abs(c[3]) + abs(c[4]) / 2 + abs(c[5]))
-    assert abs(predicted(made, *place)[0] - value(*place)) <= 0.15 * bend + 1e-6
+    assert abs(predicted(made, *place)[0] - value(*place)) <= 0.2 * bend + 1e-6
 
 
 def test_one_node_answers_by_its_tangent_as_far_as_it_reaches() -> None:

@@ -34,18 +34,10 @@ class AtlasView {
     double total = 0;
     const std::vector<Near> near = weighed(sheet, asked, total);
     if (!(total > 0)) return {std::nan(""), 0.0};
-    const Vector lean = mean_offset(sheet, near, asked, total);
-    double log = 0, square = 0;
-    for (const Near& each : near) {
-      double own = sheet.log_costs[each.node];
-      for (std::size_t axis = 0; axis < axes_; ++axis) {
-        const double offset = sheet.places[each.node * axes_ + axis] - asked[axis];
-        own -= sheet.slopes[each.node * axes_ + axis] * (offset + lean[axis]) / 2;
-      }
-      log += each.weight * own;
-    }
-    for (const double along : lean) square += along * along;
-    return {std::exp(std::clamp(log / total, -largest_log, largest_log)), 1 - std::sqrt(square) / atlas_.reach};
+    double square = 0;
+    for (const double along : mean_offset(sheet, near, asked, total)) square += along * along;
+    const double log = blended(sheet, agreed(sheet, near, asked), asked);
+    return {std::exp(std::clamp(log, -largest_log, largest_log)), 1 - std::sqrt(square) / atlas_.reach};
   }
 
   // The sheets with a node within reach: those whose cost is believed first, the cheapest first.
@@ -87,27 +79,21 @@ class AtlasView {
     if (near.empty()) return false;
     const std::size_t modes = sheet.mode_count;
     const Vector nearest = moved(sheet, near.front().node, offset(sheet, near.front().node, asked));
-    double total = 0;
     for (Near& each : near) {
       const Vector own = moved(sheet, each.node, offset(sheet, each.node, asked));
       double apart = 0;
       for (std::size_t mode = 0; mode < modes; ++mode) apart += (own[mode] - nearest[mode]) * (own[mode] - nearest[mode]);
       if (std::sqrt(apart) > sheet.tear) each.weight = 0;
-      total += each.weight;
     }
+    near = agreed(sheet, near, asked);
+    const double total = sum_of_weights(near), log = blended(sheet, near, asked);
     const Vector lean = mean_offset(sheet, near, asked, total);
     Vector along(modes, 0.0);
-    double log = 0;
     for (const Near& each : near) {
       Vector halfway = offset(sheet, each.node, asked);
-      double own = sheet.log_costs[each.node];
-      for (std::size_t axis = 0; axis < axes_; ++axis) {
-        halfway[axis] = (halfway[axis] + lean[axis]) / 2;
-        own -= halfway[axis] * sheet.slopes[each.node * axes_ + axis];
-      }
+      for (std::size_t axis = 0; axis < axes_; ++axis) halfway[axis] = (halfway[axis] + lean[axis]) / 2;
       const Vector coordinates = moved(sheet, each.node, halfway);
       const double share = each.weight / total;
-      log += share * own;
       for (std::size_t mode = 0; mode < modes; ++mode) along[mode] += share * coordinates[mode];
     }
     point = point_at(sheet, along);
@@ -147,6 +133,9 @@ class AtlasView {
 
  private:
   static constexpr double largest_log = 700.0;
+  // As in gaitflow/runtime/nearby.py.
+  static constexpr double steep = 0.3, odd = 0.1;
+  static constexpr int rounds = 2;
 
   struct Near {
     std::size_t node;
@@ -188,6 +177,47 @@ class AtlasView {
       total += near.back().weight;
     }
     return near;
+  }
+
+  // The nodes with weights by distance, steepness and agreement: rule 2.
+  std::vector<Near> agreed(const Sheet& sheet, std::vector<Near> near, const Vector& asked) const {
+    Vector steady, promises;
+    for (Near& each : near) {
+      promises.push_back(promise(sheet, each.node, offset(sheet, each.node, asked)));
+      const double change = (sheet.log_costs[each.node] - promises.back()) / steep;
+      each.weight /= 1 + change * change;
+      steady.push_back(each.weight);
+    }
+    for (int round = 0; round < rounds; ++round) {
+      const double log = blended(sheet, near, asked);
+      for (std::size_t i = 0; i < near.size(); ++i) {
+        const double off = (promises[i] - log) / odd;
+        near[i].weight = steady[i] / (1 + off * off);
+      }
+    }
+    return near;
+  }
+
+  // The logarithm of the cost by the nodes' weights: tangents are followed half-way.
+  double blended(const Sheet& sheet, const std::vector<Near>& near, const Vector& asked) const {
+    const double total = sum_of_weights(near);
+    const Vector lean = mean_offset(sheet, near, asked, total);
+    double log = 0;
+    for (const Near& each : near) {
+      double own = sheet.log_costs[each.node];
+      for (std::size_t axis = 0; axis < axes_; ++axis) {
+        const double away = sheet.places[each.node * axes_ + axis] - asked[axis];
+        own -= sheet.slopes[each.node * axes_ + axis] * (away + lean[axis]) / 2;
+      }
+      log += each.weight * own;
+    }
+    return log / total;
+  }
+
+  static double sum_of_weights(const std::vector<Near>& near) {
+    double total = 0;
+    for (const Near& each : near) total += each.weight;
+    return total;
   }
 
   // The weighted mean of the offsets: by how much the nodes' centre is off the place.
