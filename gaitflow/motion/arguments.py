@@ -18,6 +18,15 @@ def checked_time(time: object, name: str = "time") -> float:
     return float(time)
 
 
+def checked_span(span: object) -> tuple[float, float]:
+    """A span of time: start and stop [s]."""
+    if isinstance(span, Sequence) and len(span) == 2:
+        start, stop = (checked_time(time, f"span[{place}]") for place, time in enumerate(span))
+        if start < stop:
+            return start, stop
+    raise ValueError(f"span = {span!r}: must be two times (start, stop) in s, the first one before the second")
+
+
 def checked_times(times: object) -> Array:
     """Times [n] s."""
     asked = np.asarray(times)

@@ -9,10 +9,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from gaitflow.motion.arguments import checked_count, checked_span
+from gaitflow.motion.journey import Journey
 from gaitflow.motion.motion import Motion
+from gaitflow.motion.stances import SHORTLY
 
 DIGITS = 9  # of what is written: nanoseconds, nanometres
-SHORTEST = 1e-9  # of a cycle: nearer edges are one
+
+Span = tuple[float, float]  # start and stop [s]
 
 
 class Interval(NamedTuple):
@@ -23,19 +27,31 @@ class Interval(NamedTuple):
     contact: tuple[bool, ...]
 
 
-def intervals(motion: Motion, cycles: int = 1) -> list[Interval]:
-    """The contacts of the first `cycles` cycles, one interval after the other, neighbours different.
+def horizon(motion: Motion | Journey, cycles: int, span: Span | None) -> Span:
+    """From when to when [s]: the first `cycles` cycles of a motion, or a span of a motion or a journey.
 
-    Raises ValueError as `Motion.phases`.
+    Raises ValueError as `Motion.phases`, and for a journey without a span.
     """
-    stances = [stance for leg in range(len(motion.leg_names)) for stance in motion.phases(leg, cycles)]
-    horizon = cycles * motion.period
-    inside = sorted(edge for stance in stances for edge in stance[:2] if 0 < edge < horizon)
-    edges = [0.0]
-    for edge in [*inside, horizon]:
-        if edge - edges[-1] > SHORTEST * motion.period:
+    if span is not None:
+        return checked_span(span)
+    if isinstance(motion, Journey):
+        raise ValueError("a journey has no cycles: say by span=(start, stop) which part of it, in s")
+    return 0.0, checked_count(cycles) * motion.period
+
+
+def intervals(motion: Motion | Journey, cycles: int = 1, span: Span | None = None) -> list[Interval]:
+    """The contacts of the first `cycles` cycles, or of a span, one interval after the other, neighbours different.
+
+    Raises ValueError as `horizon`.
+    """
+    start, stop = horizon(motion, cycles, span)
+    stances = [stance for leg in range(len(motion.leg_names)) for stance in motion.phases(leg, span=(start, stop))]
+    inside = sorted(edge for stance in stances for edge in stance[:2] if start < edge < stop)
+    edges = [start]
+    for edge in [*inside, stop]:
+        if edge - edges[-1] > SHORTLY:
             edges.append(edge)
-    edges[-1] = horizon
+    edges[-1] = stop
     contacts = motion.sample([(start + end) / 2 for start, end in pairwise(edges)]).contact.tolist()
     found: list[Interval] = []
     for (start, end), contact in zip(pairwise(edges), contacts, strict=True):
@@ -46,37 +62,42 @@ def intervals(motion: Motion, cycles: int = 1) -> list[Interval]:
     return found
 
 
-def schedule_data(motion: Motion, cycles: int = 1) -> dict[str, Any]:
-    """The first `cycles` cycles as plain data, lengths in m and times in s, rounded to 9 digits.
+def schedule_data(motion: Motion | Journey, cycles: int = 1, span: Span | None = None) -> dict[str, Any]:
+    """The first `cycles` cycles, or a span, as plain data, lengths in m and times in s, rounded to 9 digits.
 
     `intervals` have the contact of each leg as 0 or 1, in the order of `legs`; `stances` are by leg those that reach
-    into the cycles, None instead of a start or end that does not exist. Raises ValueError as `Motion.phases`.
+    into the cycles or the span, None instead of a start or end that does not exist. `cycle_duration` and `cycles`, or
+    `span`, say what was asked for. Raises ValueError as `horizon`.
     """
+    start, stop = horizon(motion, cycles, span)
+    if isinstance(motion, Motion) and span is None:
+        asked: dict[str, Any] = {"cycle_duration": _number(motion.period), "cycles": int(cycles)}
+    else:
+        asked = {"span": [_number(start), _number(stop)]}
     return {
         "legs": list(motion.leg_names),
-        "cycle_duration": _number(motion.period),
-        "cycles": int(cycles),
+        **asked,
         "intervals": [
             {
                 "start": _number(each.start),
                 "end": _number(each.end),
                 "contact": [int(stands) for stands in each.contact],
             }
-            for each in intervals(motion, cycles)
+            for each in intervals(motion, span=(start, stop))
         ],
         "stances": {
             leg: [
-                {"start": _number(start), "end": _number(end), "foothold": [_number(x) for x in foothold.tolist()]}
-                for start, end, foothold in motion.phases(leg, cycles)
+                {"start": _number(begin), "end": _number(end), "foothold": [_number(x) for x in foothold.tolist()]}
+                for begin, end, foothold in motion.phases(leg, span=(start, stop))
             ]
             for leg in motion.leg_names
         },
     }
 
 
-def schedule_json(motion: Motion, cycles: int = 1) -> str:
+def schedule_json(motion: Motion | Journey, cycles: int = 1, span: Span | None = None) -> str:
     """`schedule_data` as JSON text."""
-    return json.dumps(schedule_data(motion, cycles), indent=1, allow_nan=False) + "\n"
+    return json.dumps(schedule_data(motion, cycles, span), indent=1, allow_nan=False) + "\n"
 
 
 def _number(value: float) -> float | None:

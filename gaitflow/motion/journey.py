@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from gaitflow.core.trajectory import Array
-from gaitflow.motion.arguments import checked_time, checked_times
-from gaitflow.motion.motion import Motion
+from gaitflow.motion.arguments import checked_span, checked_time, checked_times, leg_number
+from gaitflow.motion.motion import Motion, Point
 from gaitflow.motion.place import Place
 from gaitflow.motion.placed import Placed
+from gaitflow.motion.stances import SHORTLY, Stance, connected, within
 from gaitflow.motion.state import State
 from gaitflow.motion.transition import PlannedTransition, Transition
 from gaitflow.motion.transition_leg import FootCourse
@@ -47,6 +49,21 @@ class Journey:
         """From when on [s] everything, feet in the air too, is the other motion's; the transition's end or later."""
         return max(leg.joined for leg in self.transition.legs)
 
+    @property
+    def leg_names(self) -> tuple[str, ...]:
+        """The names of the legs, in the order of every array."""
+        return self.after.motion.leg_names
+
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        return self.after.motion.dimension
+
+    @property
+    def point(self) -> Point:
+        """What position, velocity and acceleration are of, as of `Motion`."""
+        return self.after.motion.point
+
     def at(self, time: float) -> State:
         """The state at a time [s], as of `Motion.at`."""
         sampled = self.sample([checked_time(time)])
@@ -68,6 +85,25 @@ class Journey:
                 for each in fields(State)
             }
         )
+
+    def phases(self, leg: str | int, span: tuple[float, float]) -> list[Stance]:
+        """When and where a leg, by its name or number, stands: (start, end, foothold [d]), as of `Motion.phases`.
+
+        Every stance that reaches into a span (start, stop) [s], in order: the first may begin before it, the last may
+        end after it. Raises ValueError for a leg that the robot does not have, and for a span that does not go from one
+        time to a later one.
+        """
+        start, stop = checked_span(span)
+        number = leg_number(leg, self.leg_names)
+        left, course = self.transition.start, self.transition.legs[number]
+        joined = course.joined
+        behind = self.after.phases(number, (max(start, joined), max(stop, joined + SHORTLY)))
+        found = connected([*course.stances, *within(behind, joined, math.inf)])
+        if start < left or any(begin <= left < end and end > start for begin, end, _ in found):
+            # A stance that began before the transition is one with the rest of it.
+            ahead = self.before.phases(number, span=(min(start, left - SHORTLY), left))
+            found = connected([*within(ahead, -math.inf, left), *found])
+        return [stance for stance in found if stance.start < stop and stance.end > start]
 
     def _before(self, times: Array) -> State:
         """Before the transition: touchdowns after its start are its own."""

@@ -12,7 +12,14 @@ from numpy.typing import ArrayLike
 from gaitflow.core.rigid_body import Attitude, RigidBody
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array, Trajectory
-from gaitflow.motion.arguments import checked_apex, checked_count, checked_time, checked_times, leg_number
+from gaitflow.motion.arguments import (
+    checked_apex,
+    checked_count,
+    checked_span,
+    checked_time,
+    checked_times,
+    leg_number,
+)
 from gaitflow.motion.body import Path, integrated
 from gaitflow.motion.cycles import Cycles, Pair, paired, unpaired
 from gaitflow.motion.frames import Frames
@@ -173,17 +180,19 @@ class Motion:
             until_touchdown=waits,
         )
 
-    def phases(self, leg: str | int, cycles: int = 1) -> list[Stance]:
+    def phases(self, leg: str | int, cycles: int = 1, span: tuple[float, float] | None = None) -> list[Stance]:
         """When and where a leg, by its name or number, stands in the first `cycles` cycles: (start, end, foothold [d]).
 
-        Every stance that reaches into them, in order: the first may begin before 0, the last may end after them. A leg
-        that always stands has one stance without end, one that never stands has none. Raises ValueError for a leg that
-        the robot does not have, and for a number of cycles that is not 1 or more.
+        Every stance that reaches into them, in order: the first may begin before 0, the last may end after them. With
+        a span (start, stop) [s] they are those that reach into it instead. A leg that always stands has one stance
+        without end, one that never stands has none. Raises ValueError for a leg that the robot does not have, a number
+        of cycles that is not 1 or more, and a span that does not go from one time to a later one.
         """
-        count, stances = checked_count(cycles), self._legs[leg_number(leg, self.leg_names)].stances
+        start, stop = (0.0, checked_count(cycles) * self.period) if span is None else checked_span(span)
+        stances = self._legs[leg_number(leg, self.leg_names)].stances
         return [
-            Stance(start, end, unpaired(foothold, self.dimension))
-            for start, end, foothold in stances.during(count, self._cycles)
+            Stance(begin, end, unpaired(foothold, self.dimension))
+            for begin, end, foothold in stances.during(start, stop, self._cycles)
         ]
 
     @property

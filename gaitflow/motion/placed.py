@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from gaitflow.motion.arguments import checked_times
 from gaitflow.motion.motion import Motion
 from gaitflow.motion.place import Place
+from gaitflow.motion.stances import Stance
 from gaitflow.motion.state import State
 
 ROUNDING = 1e-9  # of a cycle
@@ -44,6 +45,14 @@ class Placed:
             foot_accelerations=place.directions(seen.foot_accelerations),
             forces=place.directions(seen.forces),
         )
+
+    def phases(self, leg: str | int, span: tuple[float, float]) -> list[Stance]:
+        """The stances of a leg that reach into a span (start, stop) [s], as of `Motion.phases`."""
+        start, stop = span
+        return [
+            Stance(begin + self.later, end + self.later, self.place.points(foothold))
+            for begin, end, foothold in self.motion.phases(leg, span=(start - self.later, stop - self.later))
+        ]
 
     def of_mass(self) -> Placed:
         """The same with the position of the centre of mass, whichever point was asked for."""

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -10,6 +11,8 @@ import numpy as np
 
 from gaitflow.core.trajectory import Array
 from gaitflow.motion.cycles import Cycles, Numbers, Pair, Places
+
+SHORTLY = 1e-9  # s: nearer instants are one
 
 
 class Stance(NamedTuple):
@@ -77,14 +80,32 @@ class Stances:
         further: Pair = drift * np.minimum(middle, period) + after * np.maximum(middle - period, 0.0)
         return footholds + further
 
-    def during(self, count: int, cycles: Cycles) -> Iterator[tuple[float, float, Pair]]:
-        """Start, end and foothold [2] of each stance that reaches into the first `count` cycles, in order."""
+    def during(self, start: float, stop: float, cycles: Cycles) -> Iterator[tuple[float, float, Pair]]:
+        """Start, end and foothold [2] of each stance that reaches into the time from `start` to `stop` [s]."""
         if self.always:
             yield -np.inf, np.inf, self.footholds[0]
             return
-        numbers = np.repeat(np.arange(-1, count), len(self.start))
-        which = np.tile(np.arange(len(self.start)), count + 1)
+        first, behind = math.floor(start / cycles.period) - 1, math.ceil(stop / cycles.period)
+        numbers = np.repeat(np.arange(first, behind), len(self.start))
+        which = np.tile(np.arange(len(self.start)), behind - first)
         starts, ends = (each[which] + numbers * cycles.period for each in (self.start, self.end))
-        reaching = ends > 0
+        reaching = (starts < stop) & (ends > start)
         placed = self.placed(which, numbers, cycles.places(numbers), cycles)
         yield from zip(starts[reaching].tolist(), ends[reaching].tolist(), placed[reaching], strict=True)
+
+
+def within(stances: Iterable[Stance], start: float, stop: float) -> list[Stance]:
+    """What of stances is from `start` to `stop` [s]."""
+    cut = (Stance(max(begin, start), min(end, stop), foothold) for begin, end, foothold in stances)
+    return [stance for stance in cut if stance.end - stance.start > SHORTLY]
+
+
+def connected(stances: Iterable[Stance]) -> list[Stance]:
+    """Stances in order, of which those without a swing in between are one."""
+    found: list[Stance] = []
+    for stance in stances:
+        if found and stance.start - found[-1].end <= SHORTLY:
+            found[-1] = found[-1]._replace(end=stance.end)
+        else:
+            found.append(stance)
+    return found

@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 from gaitflow.core.trajectory import Array
 from gaitflow.motion.cycles import Numbers, paired, unpaired
+from gaitflow.motion.stances import SHORTLY, Stance
 from gaitflow.motion.state import State
 from gaitflow.motion.swing import minimum_jerk, swing
-
-SHORTLY = 1e-9  # s after an instant at which contacts change
 
 
 class Sampled(Protocol):
@@ -115,6 +114,12 @@ class TransitionLeg:
             position[air], velocity[air], acceleration[air] = self._swings(own, times[air])
         landings = np.append(self.starts[1:], self.next_touchdown)
         return FootCourse(contact, position, velocity, acceleration, landings[which] - times)
+
+    @property
+    def stances(self) -> list[Stance]:
+        """Those from the transition's start until the leg has joined."""
+        each = zip(self.starts.tolist(), self.ends.tolist(), self.footholds, strict=True)
+        return [Stance(start, end, foothold) for start, end, foothold in each if end > start]
 
     def _swings(self, own: Numbers, times: Array) -> tuple[Array, Array, Array]:
         """In the swings after stances `own` [n]."""
