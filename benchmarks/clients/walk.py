@@ -99,7 +99,7 @@ class _Bench:
     def task(self, number: int) -> Row:
         """The walks at one task."""
         plan = self._plans()[number]
-        motion = plan.motion(plan.swing_apex, point="base")
+        motion = plan.motion(point="base")
         robot = RobotModel.of(self._description, self._scenario, motion.task)
         cases = list(self._cases(plan))
         rows = [self._row(robot, case, "as planned") for case in cases]
@@ -123,7 +123,7 @@ class _Bench:
             yield Case("hand-made", f"{kind} of duty {duty:g}", model if math.isfinite(model) else None, motion)
 
     def _planned(self, source: Literal["pick", "map"], plan: Plan) -> Case:
-        motion = plan.motion(plan.swing_apex, point="base")
+        motion = plan.motion(point="base")
         return Case(source, plan.gait, plan.cost / self._weight_moved(motion), motion)
 
     def _weight_moved(self, motion: Motion) -> float:

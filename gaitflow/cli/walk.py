@@ -69,7 +69,7 @@ def walk(
             fail(str(error))
         if not plan.feasible:
             fail(f"no feasible motion at this task: worst violation {plan.violation:.1e}")
-        motion = plan.motion(plan.swing_apex, point="base")
+        motion = plan.motion(point="base")
         robot = RobotModel.of(describe(plan.scenario, urdf), plan.scenario, motion.task)
         walked = walk_in_mujoco(robot, motion, cycles)
         if video is not None:

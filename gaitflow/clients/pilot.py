@@ -130,7 +130,7 @@ class Pilot:
         plan: Plan = self._map.plan(gait=choice.gait, **task)
         if not plan.feasible:
             raise NoTransition(f"no feasible motion of {choice.gait} at {dict(choice.task)}")
-        return plan.motion(plan.swing_apex, point="base")
+        return plan.motion(point="base")
 
 
 def _gait(choice: Choice | None) -> str | None:

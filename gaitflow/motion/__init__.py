@@ -1,6 +1,6 @@
 """A plan as a planner follows it: one cycle's arrays as a motion at any time. Numpy only.
 
-motion = plan.motion(swing_apex=0.05)
+motion = plan.motion()
 state = motion.at(1.234)
 stances = motion.phases("LF", cycles=2)
 """

@@ -9,7 +9,7 @@ import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 from gaitflow.core.layout import GRAVITY
 from gaitflow.core.task import Task
@@ -59,13 +59,14 @@ class Plan(Trajectory):
     scenario: Mapping[str, Any] = field(default_factory=dict, repr=False)
     chosen: ChosenDuration | None = None
 
-    def motion(self, swing_apex: float | None = SWING_APEX, point: Point = "com") -> Motion:
+    def motion(self, swing_apex: float | Literal["planned"] | None = "planned", point: Point = "com") -> Motion:
         """The plan at any time, cycle after cycle; its swings lead `swing_apex` m above the higher of their footholds.
 
-        With None the feet are the plan's own. Position, velocity and acceleration are the centre of mass's, or with
+        That is the plan's `swing_apex` unless another one is given. With None the feet are the plan's own. Position, velocity and acceleration are the centre of mass's, or with
         `point="base"` those of the base link's frame. Raises ValueError as `Motion.of`.
         """
-        return Motion.of(self.scenario, self, self._whole_task, self.pattern, swing_apex, point)
+        apex = self.swing_apex if swing_apex == "planned" else swing_apex
+        return Motion.of(self.scenario, self, self._whole_task, self.pattern, apex, point)
 
     @property
     def _whole_task(self) -> Task:

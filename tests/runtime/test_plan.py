@@ -149,6 +149,22 @@ def test_a_plan_is_a_motion_at_any_time(gait_map: GaitMap, tiny: TinyMap) -> Non
         plan.motion(point="base")
 
 
+def test_swings_are_as_high_as_the_map_counts_on(gait_map: GaitMap) -> None:
+    plan = gait_map.plan(0.9, 0.6)
+    low = dataclasses.replace(plan, scenario={**plan.scenario, "swing_clearance": 0.025})
+    times = np.linspace(0.0, 0.6, 6001)
+    for motion, apex in (
+        (plan.motion(), 0.05),
+        (low.motion(), 0.025),
+        (low.motion(swing_apex=0.08), 0.08),
+    ):
+        assert motion.swing_apex == apex
+        assert motion.sample(times).feet[..., -1].max() == pytest.approx(apex, abs=1e-4)
+    assert low.motion(swing_apex=None).swing_apex is None
+    with pytest.raises(ValueError, match="swing_apex = 'high'"):
+        plan.motion(swing_apex="high")  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("gait", ["walking", "gallop"])
 def test_a_gait_may_be_asked_for_by_name(gait_map: GaitMap, tiny: TinyMap, gait: str) -> None:
     plan = gait_map.plan(0.9, 0.6, gait=gait)
