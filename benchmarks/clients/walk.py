@@ -129,13 +129,14 @@ class _Bench:
     def _weight_moved(self, motion: Motion) -> float:
         """m g times the distance [J] of a cycle."""
         away = math.hypot(motion.task["speed"], motion.task["lateral_speed"]) * motion.period
-        return float(self._scenario["robot"]["mass"]) * GRAVITY * away
+        return (float(self._scenario["robot"]["mass"]) + motion.task["payload"]) * GRAVITY * away
 
     def _row(self, robot: RobotModel, case: Case, conditions: str) -> Row:
         record = walk(robot, case.motion, CYCLES, DISTURBED.get(conditions, AS_PLANNED)).record
         heat = self._heat * record.heat / (robot.mass * GRAVITY * abs(record.distance)) if record.distance else math.inf
         row: Row = {"source": case.source, "gait": case.gait, "conditions": conditions, "model": case.model}
-        row |= {**record.as_data(), "energy": record.cost_of_transport + heat}
+        work = math.inf if record.cost_of_transport is None else record.cost_of_transport
+        row |= {**record.as_data(), "energy": work + heat}
         if conditions == "as planned":
             row["crocoddyl"] = self._shot(case.motion)
         return row

@@ -46,7 +46,7 @@ def walk(
     """Plan from the map ARTIFACT and walk in MuJoCo, with all of the robot's joints.
 
     The controller follows the plan's body and swings, with contact forces from a quadratic program. Two cycles go
-    before the measured ones. Exit code 1 says that the robot fell, or that it did not keep its speed.
+    before the measured ones. Exit code 1 says that the robot fell, or that it did not go and turn as commanded.
 
     \b
     Example: gaitflow walk models/anymal-exact-vibration --speed 0.6 --cycle 0.6 --video walk.html
@@ -88,22 +88,28 @@ def walk(
 def _table(plan: Plan, record: WalkRecord) -> list[tuple[str, str]]:
     """Names and values of what there is to say."""
     verdict = (
-        "yes" if record.walked else "no, not at its speed" if record.fell is None else f"fell at {record.fell:.2f} s"
+        "yes" if record.walked else "no, not as commanded" if record.fell is None else f"fell at {record.fell:.2f} s"
     )
-    ahead, asked = record.velocity, record.commanded
+    ahead, asked, transport = record.velocity, record.commanded, "none, as the command is to stay"
+    if record.cost_of_transport is not None:
+        transport = f"{record.cost_of_transport:.3f} (positive work of all joints)"
     return [
         ("gait", plan.gait),
         ("walked", verdict),
         ("speed", f"{ahead[0]:.3f} m/s, to the left {ahead[1]:+.3f}; commanded {asked[0]:.3f} and {asked[1]:+.3f}"),
         ("measured", f"{record.duration:.2f} s, {record.distance:.2f} m, {record.stances} stances"),
-        ("cost of transport", f"{record.cost_of_transport:.3f} (positive work of all joints)"),
+        ("turned", f"{record.turning:+.3f} rad/s to the left; commanded {record.commanded_turning:+.3f}"),
+        ("cost of transport", transport),
         ("heat", f"{record.heat / record.duration:.0f} N^2 m^2 (mean of the squared torques, all joints)"),
         ("force", f"{record.mean_square_force:.0f} N^2 (mean square, all feet)"),
         ("impact", f"{record.impact:.0f} N"),
         ("tilt", f"{record.tilt:.4f} rad"),
         ("slip", f"{record.slip * 1e3:.1f} mm a stance"),
         ("saturated", f"{record.saturated:.1%} of the time"),
-        ("off the plan", f"{record.position_error * 1e3:.0f} mm, {record.velocity_error:.3f} m/s"),
+        (
+            "off the plan",
+            f"{record.position_error * 1e3:.0f} mm, {record.velocity_error:.3f} m/s, {record.heading_error:.3f} rad",
+        ),
     ]
 
 

@@ -1,10 +1,16 @@
-"""The rotation that a unit quaternion stands for."""
+"""Rotations: what a unit quaternion stands for, and about the vertical."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from gaitflow.core.trajectory import Array
+
+
+def turned(vectors: Array, yaw: float) -> Array:
+    """Vectors [n, 3] turned about the vertical by `yaw` [rad]."""
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    return np.asarray(vectors @ np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]]))
 
 
 def rotation_of(orientation: Array) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitflow.clients.reference import Followed, lifted_at
+from gaitflow.clients.rotation import turned
 from gaitflow.core.trajectory import Array
 from gaitflow.motion import State
 from gaitflow.motion.swing import minimum_jerk
@@ -51,9 +52,7 @@ class SwingFeet:
         self, time: float, state: State, touching: Contacts, centres: Array, shift: Array, yaw: float
     ) -> FootTargets:
         """At a time [s], for balls at centres [legs, 3] m; shift [legs, 3] m moves footholds that are still to come."""
-        cos, sin = np.cos(yaw), np.sin(yaw)
-        turned = self._offsets @ np.array([[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]])
-        planned = state.feet + turned
+        planned = state.feet + turned(self._offsets, yaw)
         lifting = self._planned & ~state.contact
         self._lifted[lifting] = time
         self._leaving[lifting] = (centres - planned)[lifting]

@@ -15,6 +15,7 @@ from gaitflow.clients.dynamics import Dynamics
 from gaitflow.clients.record import Moment, WalkRecord, record_of
 from gaitflow.clients.reference import Followed, one_of
 from gaitflow.clients.robot_model import BASE, PHYSICS_STEP, RobotModel
+from gaitflow.clients.rotation import turned
 from gaitflow.clients.simulation import AS_PLANNED, Conditions, Simulation
 from gaitflow.core.trajectory import Array
 from gaitflow.motion import State
@@ -120,6 +121,7 @@ class Walker:
             joint_velocity=measured.velocity[BASE:],
             torque=simulation.torque,
             saturated=bool((np.abs(simulation.torque) >= 0.999 * self.robot.effort).any()),
+            heading=heading(measured.position[3:7]),
             forces=simulation.forces,
             sliding=simulation.sliding(),
             planned_position=state.position + later * state.velocity,
@@ -169,7 +171,7 @@ def started(robot: RobotModel, motion: Followed) -> tuple[Array, Array]:
         raise ValueError('a motion of the centre of mass: ask for plan.motion(point="base")')
     dynamics = Dynamics(robot)
     base = np.concatenate([state.position, state.orientation])
-    centres = state.feet + np.stack([leg.standing for leg in robot.legs])
+    centres = state.feet + turned(np.stack([leg.standing for leg in robot.legs]), heading(state.orientation))
     position = dynamics.posed(base, centres)
     velocity = np.zeros(robot.physics.nv)
     velocity[:3], velocity[3:6] = state.velocity, state.angular_velocity

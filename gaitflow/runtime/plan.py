@@ -62,8 +62,9 @@ class Plan(Trajectory):
     def motion(self, swing_apex: float | Literal["planned"] | None = "planned", point: Point = "com") -> Motion:
         """The plan at any time, cycle after cycle; its swings lead `swing_apex` m above the higher of their footholds.
 
-        That is the plan's `swing_apex` unless another one is given. With None the feet are the plan's own. Position, velocity and acceleration are the centre of mass's, or with
-        `point="base"` those of the base link's frame. Raises ValueError as `Motion.of`.
+        That is the plan's `swing_apex` unless another one is given; with None the feet are the plan's own. Position,
+        velocity and acceleration are the centre of mass's, or with `point="base"` those of the base link's frame.
+        Raises ValueError as `Motion.of`.
         """
         apex = self.swing_apex if swing_apex == "planned" else swing_apex
         return Motion.of(self.scenario, self, self._whole_task, self.pattern, apex, point)

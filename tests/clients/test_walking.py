@@ -2,11 +2,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from journeys import planned as way
 from walking_robots import model, planned
 
-from gaitflow.clients.record import Moment, record_of
+from gaitflow.clients.record import Moment, WalkRecord, record_of
 from gaitflow.clients.simulation import Conditions, Push
 from gaitflow.clients.walking import Walker, started, walk
+from gaitflow.motion import Journey, standing
 
 
 @pytest.mark.parametrize(("name", "speed", "cycle_duration"), [("anymal", 0.6, 0.6), ("go1", 0.6, 0.5)])
@@ -62,6 +64,9 @@ def test_walker_follows_another_motion_from_any_time_on() -> None:
 
 def test_motion_of_the_centre_of_mass_is_refused() -> None:
     motion = planned("anymal", 0.6, 0.6)
+    journey = Journey.of(motion.of_mass(), way(motion, standing(motion), 0), 0.0, standing(motion).of_mass())
+    with pytest.raises(ValueError, match='point="base"'):
+        started(model(motion), journey)
     with pytest.raises(ValueError, match='point="base"'):
         started(model(motion), motion.of_mass())
     with pytest.raises(ValueError, match="cycles = 0"):
@@ -77,6 +82,7 @@ def moment(time: float, **changed) -> Moment:
         "joint_velocity": np.array([1.0, 2.0]),
         "torque": np.array([3.0, -4.0]),
         "saturated": False,
+        "heading": 0.0,
         "forces": np.array([[0.0, 0.0, 100.0], [0.0, 0.0, 0.0]]),
         "sliding": np.array([0.02, 5.0]),
         "planned_position": np.array([0.5 * time, 0.0, 0.31]),
@@ -106,3 +112,22 @@ def test_walk_at_another_speed_is_not_walked() -> None:
     assert not record_of(slow, 0.001, 10.0, None).walked
     assert record_of([moment(0.001 * i) for i in range(100)], 0.001, 10.0, None).walked
     assert not record_of([moment(0.001 * i) for i in range(100)], 0.001, 10.0, 0.05).walked
+
+
+def test_walk_that_does_not_turn_as_commanded_is_not_walked() -> None:
+    """Over 10 s at 0.8 rad/s, more than a whole turn."""
+
+    def turning(rate: float) -> WalkRecord:
+        times = 0.01 * np.arange(1001)
+        still = {"velocity": np.zeros(3), "planned_velocity": np.zeros(3)}
+        angles = [(-np.pi + rate * time) % (2 * np.pi) - np.pi for time in times]
+        planned = [(-np.pi + 0.8 * time) % (2 * np.pi) - np.pi for time in times]
+        each = zip(times, angles, planned, strict=True)
+        moments = [moment(time, heading=one, planned_heading=other, **still) for time, one, other in each]
+        return record_of(moments, 0.01, 10.0, None)
+
+    assert turning(0.8).walked and turning(0.8).turning == pytest.approx(0.8, rel=0.01)
+    assert turning(0.8).heading_error == pytest.approx(0.0, abs=1e-9)
+    assert not turning(0.0).walked and turning(0.0).commanded_turning == pytest.approx(0.8, rel=0.01)
+    assert turning(0.75).heading_error == pytest.approx(0.05 * 10 / np.sqrt(3), rel=0.01)
+    assert turning(0.8).cost_of_transport is None
