@@ -64,6 +64,11 @@ def follow(journey: Journey) -> None:
         np.testing.assert_allclose(one, other, atol=tolerance, err_msg=name)
     times = np.linspace(transition.start - 0.5, journey.settled + 0.5, 3001)
     seen, step = journey.sample(times), times[1] - times[0]
+    for number, leg in enumerate(journey.leg_names):
+        stances = journey.phases(leg, (times[0], times[-1] + step))
+        stands = np.any([(start <= times) & (times < end) for start, end, _ in stances], axis=0)
+        at_edges = np.min([np.abs(times - edge) for stance in stances for edge in stance[:2]], axis=0) < 1e-6
+        np.testing.assert_array_equal(seen.contact[~at_edges, number], stands[~at_edges])
     moved = np.abs(np.diff(seen.feet, axis=0)).max(axis=(1, 2))
     speeds = np.abs(seen.foot_velocities).max(axis=(1, 2))
     assert (moved <= step * (np.maximum(speeds[1:], speeds[:-1]) + 0.2)).all()
