@@ -9,7 +9,7 @@ import shutil
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from gaitflow.export.network import CannotExport
+from gaitflow.export.graph import CannotExport
 from gaitflow.files import WriteError, atomic_write, sync_folder
 
 

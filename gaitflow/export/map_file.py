@@ -10,14 +10,12 @@ import zlib
 from collections.abc import Iterator, Sequence
 from itertools import chain
 
-import numpy as np
-from numpy.typing import NDArray
-
 from gaitflow.core.domain import Domain
 from gaitflow.core.layout import Layout
 from gaitflow.core.task import AXES
 from gaitflow.core.task_space import TaskSpace
-from gaitflow.export.network import Network
+from gaitflow.export.classifier_data import ClassifierData
+from gaitflow.export.items import array, counts, text
 from gaitflow.runtime.artifact import Artifact
 from gaitflow.runtime.atlas import DOUBT, SUPPORT, Atlas
 from gaitflow.runtime.manifest import Manifest
@@ -26,22 +24,21 @@ from gaitflow.runtime.tensors import GaitTensors
 from gaitflow.solvers.point import GaitSpace
 
 MAGIC = b"gaitmap\n"
-FORMAT = 4
-ALIGNMENT = 8
+FORMAT = 5
 _START = struct.Struct("<8sIIQ32s")  # magic, format, CRC-32 of all from byte 16 on, size of the file, digest
 
 
-def map_bytes(artifact: Artifact, digest: bytes, network: Network) -> bytes:
+def map_bytes(artifact: Artifact, digest: bytes, classifier: ClassifierData) -> bytes:
     """The file's content; `digest` [32] is the SHA-256 of manifest.json. Equal maps give equal bytes."""
     manifest, tensors = artifact.manifest, artifact.tensors
     legs = [str(leg["name"]) for leg in manifest.scenario["robot"]["legs"]]
     items = chain(
-        [_text(manifest.name), _text(str(manifest.version))],
+        [text(manifest.name), text(str(manifest.version))],
         _axes(manifest.space),
         _domain(manifest.domain),
         _layout(manifest.layout, legs, tensors.rows),
-        [_array([manifest.cost_scale], "<f8")],
-        _network(network),
+        [array([manifest.cost_scale], "<f8")],
+        classifier.items(),
         _gaits(manifest, tensors),
         _atlas(artifact.atlas),
     )
@@ -55,73 +52,47 @@ def _axes(space: TaskSpace) -> Iterator[bytes]:
     """Every parameter of a task with the value that the map holds it at, 0 for those that it ranges over."""
     names, fixed = list(AXES), dict(space.fixed)
     held = [0.0 if name in space.ranged else fixed.get(name, AXES[name].default or 0.0) for name in names]
-    yield _counts(len(names), len(space.ranged))
-    yield from map(_text, names)
-    yield _array(held, "<f8")
-    yield _counts(*(names.index(axis) for axis in space.ranged))
+    yield counts(len(names), len(space.ranged))
+    yield from map(text, names)
+    yield array(held, "<f8")
+    yield counts(*(names.index(axis) for axis in space.ranged))
 
 
 def _domain(domain: Domain) -> Iterator[bytes]:
-    yield _counts(*map(len, domain.axes.values()))
-    yield from (_array(values, "<f8") for values in domain.axes.values())
-    yield _array(domain.feasible, "u1")
+    yield counts(*map(len, domain.axes.values()))
+    yield from (array(values, "<f8") for values in domain.axes.values())
+    yield array(domain.feasible, "u1")
 
 
 def _layout(layout: Layout, legs: Sequence[str], rows: int) -> Iterator[bytes]:
     sizes = layout.phases, layout.knots_per_phase, layout.legs, layout.dimension, layout.nb, rows
-    yield _counts(*sizes, int(layout.linear_forces), int(layout.energy))
-    yield from map(_text, legs)
-    yield _array(layout.shares, "<f8")
-    yield _array(layout.scale(1.0), "<f8")
-
-
-def _network(network: Network) -> Iterator[bytes]:
-    yield _counts(len(network.layers))
-    for layer in network.layers:
-        yield _counts(*layer.weights.shape)
-        yield _array(layer.weights.T, "<f4")  # so that the inner loop's sums are independent: four times as fast
-        yield _array(layer.biases, "<f4")
-    yield _array([network.temperature], "<f4")
+    yield counts(*sizes, int(layout.linear_forces), int(layout.energy))
+    yield from map(text, legs)
+    yield array(layout.shares, "<f8")
+    yield array(layout.scale(1.0), "<f8")
 
 
 def _gaits(manifest: Manifest, tensors: GaitTensors) -> Iterator[bytes]:
-    yield _counts(len(manifest.gaits))
+    yield counts(len(manifest.gaits))
     for index, gait in enumerate(manifest.gaits):
-        yield from map(_text, (gait.name, gait.key, gait.pattern))
-        yield from (_array(vector, "<f8") for vector in tensors.mean(index))
+        yield from map(text, (gait.name, gait.key, gait.pattern))
+        yield from (array(vector, "<f8") for vector in tensors.mean(index))
         yield from _space(tensors.space(index))
 
 
 def _atlas(atlas: Atlas) -> Iterator[bytes]:
-    yield _array(atlas.steps, "<f8")
-    yield _array([atlas.barrier, REACH, NEAREST, SUPPORT, DOUBT], "<f8")
-    yield _counts(len(atlas.sheets))
+    yield array(atlas.steps, "<f8")
+    yield array([atlas.barrier, REACH, NEAREST, SUPPORT, DOUBT], "<f8")
+    yield counts(len(atlas.sheets))
     for sheet in atlas.sheets:
-        yield _counts(sheet.gait)
-        yield _text(sheet.pattern)
+        yield counts(sheet.gait)
+        yield text(sheet.pattern)
         yield from _space(sheet.space)
-        yield _counts(len(sheet.tasks), *sheet.modes.shape)
-        yield _array([sheet.tear], "<f8")
-        yield from (_array(each, "<f8") for each in (sheet.tasks, sheet.costs, sheet.slopes))
-        yield from (_array(each, "<f4") for each in (sheet.mean, sheet.modes, sheet.coordinates, sheet.tangents))
+        yield counts(len(sheet.tasks), *sheet.modes.shape)
+        yield array([sheet.tear], "<f8")
+        yield from (array(each, "<f8") for each in (sheet.tasks, sheet.costs, sheet.slopes))
+        yield from (array(each, "<f4") for each in (sheet.mean, sheet.modes, sheet.coordinates, sheet.tangents))
 
 
 def _space(space: GaitSpace) -> Iterator[bytes]:
-    return (_array(each, "<f8") for each in (space.lower, space.upper, space.lower_rows, space.upper_rows))
-
-
-def _counts(*numbers: int) -> bytes:
-    return struct.pack(f"<{len(numbers)}Q", *numbers)
-
-
-def _text(text: str) -> bytes:
-    content = text.encode()
-    return _counts(len(content)) + _padded(content)
-
-
-def _array(values: Sequence[object] | NDArray[np.generic], kind: str) -> bytes:
-    return _padded(np.ascontiguousarray(values, dtype=kind).tobytes())
-
-
-def _padded(content: bytes) -> bytes:
-    return content + bytes(-len(content) % ALIGNMENT)
+    return (array(each, "<f8") for each in (space.lower, space.upper, space.lower_rows, space.upper_rows))

@@ -183,7 +183,7 @@ def resealed(content: bytes) -> bytes:
         (lambda content: b"PK" + content[2:], "this is no map.bin"),
         (lambda content: content[:2000] + bytes([content[2000] ^ 1]) + content[2001:], "its checksum is wrong"),
         (lambda content: content[:30] + bytes([content[30] ^ 1]) + content[31:], "its checksum is wrong"),
-        (lambda content: content[:8] + struct.pack("<I", 1) + content[12:], "has format 1, this reader knows format 4"),
+        (lambda content: content[:8] + struct.pack("<I", 1) + content[12:], "has format 1, this reader knows format 5"),
         (lambda content: resealed(content + b"\0" * 8), "something follows after its end"),
         (lambda content: resealed(content[:-8]), "longer than the file"),
         (lambda content: resealed(content[:56] + struct.pack("<Q", 2**63) + content[64:]), "a text is too long"),

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from gaitflow.export.folder import write_folder
-from gaitflow.export.network import CannotExport
+from gaitflow.export.graph import CannotExport
 from gaitflow.files import WriteError
 
 FILES = {"a": b"1", "b": b"2"}

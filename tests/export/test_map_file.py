@@ -51,7 +51,7 @@ def test_it_holds_the_map(which: str, request: pytest.FixtureRequest) -> None:
     layout, domain, axes = manifest.layout, manifest.domain, manifest.space.ranged
 
     magic, number, crc, size, digest = struct.unpack("<8sIIQ32s", content[:56])
-    assert (magic, number, size) == (b"gaitmap\n", 4, len(content))
+    assert (magic, number, size) == (b"gaitmap\n", 5, len(content))
     assert crc == zlib.crc32(content[16:])
     assert digest == hashlib.sha256((exported.model / "manifest.json").read_bytes()).digest()
 
@@ -79,12 +79,15 @@ def test_it_holds_the_map(which: str, request: pytest.FixtureRequest) -> None:
     assert np.array_equal(items.array("<f8", layout.nw), layout.scale(1.0))
     assert items.array("<f8", 1).tolist() == [manifest.cost_scale]
 
-    for layer in range(items.counts(1)[0]):
+    kind, layers = items.counts(2)
+    assert kind == 0
+    for layer in range(layers):
         outputs, inputs = items.counts(2)
         weights, biases = items.array("<f4", inputs, outputs), items.array("<f4", outputs)
         assert inputs == len(axes) or layer
         if which == "exported":
             assert weights.tolist() == [[-5.0, 5.0], [0.0, 0.0]] and biases.tolist() == [3.5, -3.5]
+    assert items.counts(1) == [0], "no votes, so no smoothing"
     assert items.array("<f4", 1).tolist() == [1.0 if which == "exported" else pytest.approx(0.7)]
 
     assert items.counts(1) == [len(manifest.gaits)]

@@ -123,23 +123,9 @@ class GaitMap {
   // One probability a gait by the classifier, anywhere: outside the domain it is a guess. float32, as in the ONNX graph.
   std::vector<float> probabilities(const Vector& place) const {
     check(place);
-    std::vector<float> values, next;
+    std::vector<float> values;
     for (const double value : place) values.push_back(static_cast<float>(std::clamp(value, -farthest, farthest)));
-    for (const Layer& layer : map_.layers) {
-      next = layer.biases;
-      const float* weight = layer.weights.data();
-      for (const float value : values)
-        for (float& sum : next) sum += *weight++ * value;
-      if (&layer != &map_.layers.back())
-        for (float& value : next) value = std::max(value, 0.0f);
-      values.swap(next);
-    }
-    for (float& value : values) value /= map_.temperature;
-    const float most = *std::max_element(values.begin(), values.end());
-    float total = 0;
-    for (float& value : values) total += value = std::exp(value - most);
-    for (float& value : values) value /= total;
-    return values;
+    return map_.classifier.probabilities(std::move(values));
   }
 
   // The gait that the atlas predicts to cost least; where it knows none, the classifier's likeliest, of equal ones the

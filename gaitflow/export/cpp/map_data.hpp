@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "classifier.hpp"
+
 namespace gaitflow {
 
 using Vector = std::vector<double>;
@@ -59,11 +61,6 @@ struct Gait {
   Space space;
 };
 
-struct Layer {
-  std::size_t outputs, inputs;
-  std::vector<float> weights, biases;  // [inputs, outputs], [outputs]
-};
-
 // One full pattern of a gait: n solved tasks (nodes) over a axes, each a point of k modes, with derivatives by the axes.
 // Lengths are in steps of the axes, slopes and tangents are by such a step.
 struct Sheet {
@@ -91,8 +88,7 @@ struct MapFile {
   Task task;
   Domain domain;
   Layout layout;
-  std::vector<Layer> layers;
-  float temperature;
+  Classifier classifier;
   double cost_scale;  // times the problem's cost: that in the scenario's units
   std::vector<Gait> gaits;
   Atlas atlas;

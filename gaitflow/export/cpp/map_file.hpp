@@ -12,23 +12,20 @@
 #include <cstring>
 #include <fstream>
 #include <numeric>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "classifier.hpp"
+#include "cursor.hpp"
 #include "map_data.hpp"
 
 namespace gaitflow {
 
-struct MapError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
 namespace detail {
 
-constexpr std::size_t start_size = 56, checked_from = 16, most_bytes = std::size_t{1} << 30;
-constexpr std::uint32_t known_format = 4;
+constexpr std::size_t checked_from = 16;
+constexpr std::uint32_t known_format = 5;
 
 // CRC-32 as in zlib and PNG.
 inline std::uint32_t crc32(const unsigned char* bytes, std::size_t count) {
@@ -42,64 +39,6 @@ inline std::uint32_t crc32(const unsigned char* bytes, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) crc = (crc >> 8) ^ table[(crc ^ bytes[i]) & 0xFFu];
   return crc ^ 0xFFFFFFFFu;
 }
-
-// Takes items off the file in order; each begins at a multiple of 8 bytes.
-class Cursor {
- public:
-  Cursor(const std::string& path, const std::vector<unsigned char>& bytes) : path_(path), bytes_(bytes) {}
-
-  [[noreturn]] void refuse(const std::string& fault) const {
-    throw MapError(path_ + ": " + fault + "; export the map again");
-  }
-
-  void require(bool holds, const char* fault) const {
-    if (!holds) refuse(fault);
-  }
-
-  template <class Number>
-  std::vector<Number> array(std::size_t count) {
-    if (count > (bytes_.size() - at_) / sizeof(Number)) refuse("an array is longer than the file");
-    std::vector<Number> values(count);
-    const std::size_t size = count * sizeof(Number);
-    if (size != 0) std::memcpy(values.data(), bytes_.data() + at_, size);
-    const std::size_t padded = size + (8 - size % 8) % 8;
-    if (padded > bytes_.size() - at_) refuse("an array is longer than the file");
-    at_ += padded;
-    return values;
-  }
-
-  template <class Number>
-  std::vector<Number> finite(std::size_t count) {
-    std::vector<Number> values = array<Number>(count);
-    for (const Number value : values) require(std::isfinite(value), "a number is not finite");
-    return values;
-  }
-
-  // A number of things of which the file has room for one byte each, at least.
-  std::size_t count(std::size_t least, std::size_t most, const char* fault) {
-    const std::uint64_t value = array<std::uint64_t>(1)[0];
-    require(least <= value && value <= most, fault);
-    return static_cast<std::size_t>(value);
-  }
-
-  std::string text() {
-    const std::vector<char> letters = array<char>(count(0, 100000, "a text is too long"));
-    return std::string(letters.begin(), letters.end());
-  }
-
-  Vector axis(std::size_t size) {
-    Vector values = finite<double>(size);
-    for (std::size_t i = 1; i < size; ++i) require(values[i - 1] < values[i], "an axis does not rise");
-    return values;
-  }
-
-  bool ended() const { return at_ == bytes_.size(); }
-
- private:
-  const std::string& path_;
-  const std::vector<unsigned char>& bytes_;
-  std::size_t at_ = start_size;
-};
 
 inline Space read_space(Cursor& file, const Layout& layout) {
   Space space;
@@ -172,25 +111,9 @@ inline Layout read_layout(Cursor& file) {
   return layout;
 }
 
-inline void read_network(Cursor& file, MapFile& map) {
-  const std::size_t layers = file.count(1, 100, "the classifier has no layers, or too many");
-  for (std::size_t i = 0; i < layers; ++i) {
-    Layer layer;
-    layer.outputs = file.count(1, 100000, "a layer of the classifier is empty or too large");
-    layer.inputs = file.count(1, 100000, "a layer of the classifier is empty or too large");
-    const std::size_t inputs = i == 0 ? map.task.ranged.size() : map.layers.back().outputs;
-    file.require(layer.inputs == inputs, "the layers of the classifier do not fit together");
-    layer.weights = file.finite<float>(layer.outputs * layer.inputs);
-    layer.biases = file.finite<float>(layer.outputs);
-    map.layers.push_back(std::move(layer));
-  }
-  map.temperature = file.finite<float>(1)[0];
-  file.require(map.temperature > 0, "the classifier's temperature is not positive");
-}
-
 inline void read_gaits(Cursor& file, MapFile& map) {
   const std::size_t gaits = file.count(1, 4096, "there are no gaits, or too many");
-  file.require(map.layers.back().outputs == gaits, "the classifier has other gaits than the map");
+  file.require(map.classifier.gaits() == gaits, "the classifier has other gaits than the map");
   for (std::size_t i = 0; i < gaits; ++i) {
     Gait gait;
     gait.name = file.text();
@@ -282,7 +205,8 @@ inline MapFile read_map(const std::string& path) {
   std::memcpy(&size, bytes.data() + 16, 8);
   if (std::memcmp(bytes.data(), "gaitmap\n", 8) != 0) file.refuse("this is no map.bin");
   if (format != detail::known_format)
-    file.refuse("has format " + std::to_string(format) + ", this reader knows format 4; take the reader beside it");
+    file.refuse("has format " + std::to_string(format) + ", this reader knows format " +
+                std::to_string(detail::known_format) + "; take the reader beside it");
   if (size != bytes.size())
     file.refuse(std::to_string(bytes.size()) + " bytes, but it should have " + std::to_string(size));
   if (crc != detail::crc32(bytes.data() + detail::checked_from, bytes.size() - detail::checked_from))
@@ -296,7 +220,7 @@ inline MapFile read_map(const std::string& path) {
   map.layout = detail::read_layout(file);
   map.cost_scale = file.finite<double>(1)[0];
   file.require(map.cost_scale > 0, "the cost's scale is not positive");
-  detail::read_network(file, map);
+  map.classifier = detail::read_classifier(file, map.task.ranged.size());
   detail::read_gaits(file, map);
   detail::read_atlas(file, map);
   if (!file.ended()) file.refuse("something follows after its end");
