@@ -10,6 +10,8 @@ from gaitflow.export import CannotExport, Exported, export_c
 from gaitflow.export.export import CONTENT
 from gaitflow.runtime import ArtifactError
 
+MODELS = Path(__file__).parents[2] / "models"
+
 
 def content(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in folder.iterdir()}
@@ -42,6 +44,13 @@ def test_of_a_damaged_map_nothing_is_written(artifact: Path, tmp_path: Path, nam
     with pytest.raises(ArtifactError, match=name):
         export_c(artifact, tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scenario", sorted(path.name for path in MODELS.iterdir() if path.is_dir()))
+def test_every_published_map_can_be_exported(scenario: str, tmp_path: Path) -> None:
+    done = export_c(MODELS / scenario, tmp_path / "c")
+    assert sorted(content(done.folder)) == sorted(CONTENT)
 
 
 def test_a_place_that_is_taken_is_refused_before_the_map_is_read(tmp_path: Path) -> None:
