@@ -66,6 +66,7 @@ def _one_for_both(graph: Graph, first: str, second: str) -> str:
     mul, other = graph.makers.get(first), graph.makers.get(second)
     if mul is None or mul.op_type != "Mul" or other is None or other.op_type != "Concat":
         return ""
+    graph.attributes(other, axis=(1,))
     if list(mul.input)[1:] != [second] or not (graph.floats(mul, 0) == -1).all() or len(other.input) != 1:
         raise graph.refuse("the scores of two gaits are not opposite")
     return str(other.input[0])
