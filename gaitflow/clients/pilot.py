@@ -17,6 +17,7 @@ from gaitflow.runtime import Choice, GaitMap, Plan
 RATE = 50.0  # Hz
 SMOOTHING = 0.5  # s: the median of what was asked for in this time counts
 STEP = 0.05  # m/s: how far the asked speed gets from the followed one before the motion is changed
+KEPT = 0.01  # relative cost for which a gait is kept; the command is smooth already
 LONGEST = 3.0  # cycle, over the time in which a robot on two feet falls e times farther
 LEAD = 1.0  # s from the decision to the earliest start of a transition, in which it is planned
 
@@ -86,10 +87,10 @@ class Pilot:
 
     def answer(self, speed: float, previous: Choice | None = None) -> Choice:
         """The map's gait and cycle duration at a speed [m/s] of its domain; it keeps those of `previous` if it can."""
-        choice = self._map.select(speed=speed, previous=previous)
+        choice = self._map.select(speed=speed, previous=previous, margin=KEPT)
         if choice.cycle_duration <= self._longest:
             return choice
-        return self._map.select(speed=speed, cycle_duration=self._longest, previous=previous)
+        return self._map.select(speed=speed, cycle_duration=self._longest, previous=previous, margin=KEPT)
 
     @property
     def _settled(self) -> float:

@@ -109,7 +109,7 @@ class Atlas:
             for offset in near.offsets:
                 mean = np.bincount(near.owner, near.weights * offset, count) / total
                 lean += mean * mean
-            mixed = near.blended(near.agreed(count), count)
+            mixed = near.blended(near.agreed())
             costs = np.exp(np.clip(mixed, -LARGEST_LOG, LARGEST_LOG))
             return costs, np.where(total > 0, 1 - np.sqrt(lean) / REACH, 0.0)
 
@@ -141,14 +141,15 @@ class Atlas:
         moved = coordinates - _along(tangents, offsets)
         alike = np.linalg.norm(moved - moved[0], axis=1) <= chosen.tear
         own = Near(
+            count=1,
             owner=np.zeros(within, dtype=np.intp),
             weights=np.where(alike, weights_of(distances[:within]), 0.0),
             offsets=list(offsets.T),
             logs=nodes.logs[near],
             slopes=list(nodes.slopes[near].T),
         )
-        weights = own.agreed(1)
-        log = float(own.blended(weights, 1)[0])
+        weights = own.agreed()
+        log = float(own.blended(weights)[0])
         weights /= weights.sum()
         halfway = (offsets + weights @ offsets) / 2
         return self._prediction(chosen, log, weights @ (coordinates - _along(tangents, halfway)))

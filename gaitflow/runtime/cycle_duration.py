@@ -100,9 +100,15 @@ def _least(rate: Callable[[float], float], low: float, high: float, steps: int) 
     a, b = places[max(best - 1, 0)], places[min(best + 1, len(places) - 1)]
     shrink = (math.sqrt(5) - 1) / 2
     known = [(rates[best], places[best])]
-    for _ in range(NARROWINGS if b > a else 0):
-        left, right = b - shrink * (b - a), a + shrink * (b - a)
-        one, other = (rate(left), left), (rate(right), right)
-        known += [one, other]
-        a, b = (a, right) if one < other else (left, b)
+    if b <= a:
+        return known[0]
+    left, right = ((rate(place), place) for place in (b - shrink * (b - a), a + shrink * (b - a)))
+    for _ in range(NARROWINGS):
+        known += [left, right]
+        if left < right:
+            b, right = right[1], left
+            left = (rate(b - shrink * (b - a)), b - shrink * (b - a))
+        else:
+            a, left = left[1], right
+            right = (rate(a + shrink * (b - a)), a + shrink * (b - a))
     return min(known)

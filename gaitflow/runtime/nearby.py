@@ -24,11 +24,12 @@ ROUNDS = 2  # of comparing promises: a third one changes nothing that matters
 
 @dataclass(frozen=True, eq=False)
 class Near:
-    """n nodes near a place: the sheets that own them, and their weights, both [n].
+    """n nodes near a place, of `count` sheets: the ones that own them, and their weights, both [n].
 
     offsets, slopes: one [n] along each axis, from the place and of the cost's logarithm; logs [n] are that logarithm.
     """
 
+    count: int
     owner: NDArray[np.intp]
     weights: Array
     offsets: list[Array]
@@ -40,23 +41,31 @@ class Near:
         """The logarithm of the cost at the place that each node promises by its slopes [n]."""
         return self.logs - self._change
 
-    def agreed(self, count: int) -> Array:
-        """The weights [n] by distance, steepness and agreement; `count` is the number of sheets."""
+    def agreed(self) -> Array:
+        """The weights [n] by distance, steepness and agreement."""
         steady = self.weights / (1 + (self._change / STEEP) ** 2)
         weights = steady
         for _ in range(ROUNDS):
-            off = self.promises - self.blended(weights, count)[self.owner]
+            off = self.promises - self.blended(weights)[self.owner]
             weights = steady / (1 + (off / ODD) ** 2)
         return weights
 
-    def blended(self, weights: Array, count: int) -> Array:
+    def blended(self, weights: Array) -> Array:
         """The logarithm of each sheet's cost at the place [count] by weights [n]: tangents are followed half-way."""
-        total = np.bincount(self.owner, weights, count)
-        halves = np.asarray(np.bincount(self.owner, weights * (self.logs - self._change / 2), count), dtype=np.float64)
-        for offset, slope in zip(self.offsets, self.slopes, strict=True):
-            mean = np.bincount(self.owner, weights * offset, count) / total
-            halves = halves - mean * np.bincount(self.owner, weights * slope, count) / 2
-        return np.asarray(halves / total)
+        sums = (self._of_sheet @ (weights[:, None] * self._columns)).T
+        total, axes = sums[0], len(self.offsets)
+        mixed: Array = (sums[1] - (sums[2 : 2 + axes] * sums[2 + axes :]).sum(axis=0) / total / 2) / total
+        return mixed
+
+    @cached_property
+    def _of_sheet(self) -> Array:
+        """1 where a sheet owns a node [count, n], else 0."""
+        return (self.owner == np.arange(self.count)[:, None]).astype(np.float64)
+
+    @cached_property
+    def _columns(self) -> Array:
+        """What is summed [n, 2 + 2a]: 1, the promises of half a tangent, offsets and slopes."""
+        return np.stack([np.ones(len(self.logs)), self.logs - self._change / 2, *self.offsets, *self.slopes], axis=1)
 
     @cached_property
     def _change(self) -> Array:
@@ -70,6 +79,7 @@ class EveryNode:
 
     def __init__(self, sheets: Sequence[tuple[Array, Array, Array]], axes: int) -> None:
         """Of each sheet, in steps: places [n, a] of its nodes, logarithms of their costs [n], and slopes [n, a]."""
+        self.count = len(sheets)
         if not sheets:
             self.places = self.slopes = [np.zeros(0)] * axes
             self.logs, self.sheets = np.zeros(0), np.zeros(0, dtype=np.intp)
@@ -89,6 +99,7 @@ class EveryNode:
         squared = sum(offset * offset for offset in offsets)
         near = np.flatnonzero(squared < REACH * REACH)
         return Near(
+            count=self.count,
             owner=self.sheets[low:high][near],
             weights=weights_of(np.sqrt(squared[near])),
             offsets=[offset[near] for offset in offsets],
