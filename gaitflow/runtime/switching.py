@@ -140,7 +140,7 @@ def _smoothness(robot: Mapping[str, Any]) -> dict[str, float]:
         "normal_velocity": speed,
         "tilt": SMOOTHNESS,
         "tilt_rate": SMOOTHNESS * fall,
-        "lateral_foot": SMOOTHNESS / height**2,
+        "lateral_foot": SMOOTHNESS / height**2 if robot["dimension"] == 3 else 0.0,
     }
 
 

@@ -158,6 +158,16 @@ def test_maps_of_energy_switch_as_well(saving: tuple[Scenario, Motion, Motion]) 
         assert 0.0 < found.cost < 1000.0, "smoothness, over that of forces as large as the weight"
 
 
+@pytest.mark.parametrize(("name", "lateral"), [("half-cheetah-exact-vibration", False), ("go1-exact-vibration", True)])
+def test_transitions_of_maps_with_a_force_rate_are_smooth_ones(checkout: Path, name: str, lateral: bool) -> None:
+    """Its jump from a cycle's end to the next start means nothing to them; and no foot of a plane is beside it."""
+    data = load_scenario(checkout / f"configs/scenarios/{name}.yaml").as_data()
+    data["objective"]["force_rate"] = 1e-6
+    smooth = TransitionProblem(data).scenario["objective"]
+    assert "force_rate" not in smooth and smooth["tilt"] > 0
+    assert (smooth["lateral_foot"] > 0) == lateral
+
+
 def test_a_robot_is_the_same_with_limbs_and_without(saving: tuple[Scenario, Motion, Motion]) -> None:
     """Maps of before know none."""
     scenario, trot, walk = saving
