@@ -26,8 +26,8 @@ class Element:
     """The sum over all copies of weights [copies] times `value` of the variables at places [copies, n] of w.
 
     value: (x [n], task [axes]) -> cost [1]; second: the same -> (gradient [n], upper triangle of the Hessian [n, n]).
-    gates [copies] are places of w, too, of numbers that are 0 or 1: where there is 0 no free variable matters to a copy,
-    and it is left out of the derivatives.
+    gates [copies] are places of w, too, of numbers that are 0 or 1: where there is 0 no free variable matters to a
+    copy, and it is left out of the derivatives.
     """
 
     value: ca.Function
