@@ -15,7 +15,8 @@ from gaitflow.cli.options import json_option, task_options
 from gaitflow.core.task import AXES
 
 if TYPE_CHECKING:
-    from gaitflow.runtime import Plan
+    from gaitflow.runtime import ChosenValue, Plan
+    from gaitflow.runtime.left_out import Per
 
 PLAN_KEYS = (
     "gait", "pattern", "probability", "in_domain", "distance", "durations", "cost", "cost_of_transport", "feasible",
@@ -27,25 +28,41 @@ PLAN_KEYS = (
 @click.argument("artifact", type=click.Path(path_type=Path))
 @task_options
 @click.option("--gait", help="Plan this gait of the map instead of the cheapest.")
+@click.option(
+    "--per",
+    type=click.Choice(["second", "metre"]),
+    default="second",
+    show_default=True,
+    help="What the cost of an axis that is left out is counted over.",
+)
 @click.option("--beyond", is_flag=True, help="Plan also outside the map's domain; the motion is checked all the same.")
 @click.option("--trust-code", is_flag=True, help="Run the code that maps of formats 1 and 2 hold as their problem.")
 @json_option
-def plan(artifact: Path, axes: dict[str, Any], gait: str | None, beyond: bool, trust_code: bool, as_json: bool) -> None:
+def plan(
+    artifact: Path,
+    axes: dict[str, Any],
+    gait: str | None,
+    per: Per,
+    beyond: bool,
+    trust_code: bool,
+    as_json: bool,
+) -> None:
     """Ask the map ARTIFACT for a gait and refine it into a feasible motion.
 
     ARTIFACT is a version's folder or its parent (the newest version then). A task needs a value on every axis that the
-    map ranges over, speed and cycle duration on most. Without a cycle duration the map chooses the cheapest.
+    map ranges over, speed and cycle duration on most. Of these one may be left out: the map chooses the cheapest.
 
     \b
     Example: gaitflow plan models/quickstart --speed 0.9 --cycle 0.6 --json
              gaitflow plan models/half-cheetah-exact-slopes --speed 0.9 --cycle 0.6 --slope -8
              gaitflow plan models/anymal-exact-vibration --speed 0.6 --gait trot
+             gaitflow plan models/anymal-energy --cycle 0.6 --per metre
     """
     from gaitflow.runtime import GaitMap, OutOfDomain
 
     with bad_input(), refused_artifact():
         try:
-            answer = GaitMap.load(artifact, trust_code=trust_code).plan(gait=gait, beyond=beyond, **axes)
+            answer = GaitMap.load(artifact, trust_code=trust_code).plan(gait=gait, per=per, beyond=beyond, **axes)
         except OutOfDomain as error:
             if as_json:
                 print_json(refused_data(axes))
@@ -59,7 +76,7 @@ def plan(artifact: Path, axes: dict[str, Any], gait: str | None, beyond: bool, t
 
 
 def plan_data(answer: Plan) -> dict[str, Any]:
-    """A plan as plain data: its task, PLAN_KEYS, and `chosen`, what a duration left to the map costs, if one was.
+    """A plan as plain data: its task, PLAN_KEYS, and `chosen`, what a value left to the map costs, if one was.
 
     The trajectory is left out, numbers that do not exist are None.
     """
@@ -83,8 +100,7 @@ def _say(answer: Plan) -> None:
         click.echo(f"outside the map's domain, {answer.distance:.1f} steps of its grid from the nearest task")
     click.echo(f"task:        {', '.join(f'{axis} {x:g} {AXES[axis].unit}' for axis, x in answer.task.items())}")
     if answer.chosen is not None:
-        edge = ", at the edge of the map's domain" if answer.chosen.on_edge else ""
-        click.echo(f"cycle:       chosen by the map, predicted cost {answer.chosen.cost_per_second:.6g} a second{edge}")
+        _say_chosen(answer.chosen)
     click.echo(f"gait:        {answer.gait} ({answer.pattern}), probability {answer.probability:.2f}")
     click.echo(f"durations:   {', '.join(f'{d:.4f}' for d in answer.durations)} s")
     transport = answer.cost_of_transport
@@ -92,3 +108,9 @@ def _say(answer: Plan) -> None:
     click.echo(f"cost:        {answer.cost:.6g}{beside}")
     click.echo(f"feasible:    {'yes' if answer.feasible else 'no'}, worst violation {answer.violation:.1e}")
     click.echo(f"path:        {answer.path}, {answer.iterations} iterations, {answer.time_ms:.1f} ms")
+
+
+def _say_chosen(chosen: ChosenValue) -> None:
+    edge = ", at the edge of the map's domain" if chosen.on_edge else ""
+    rates = f"{chosen.cost_per_second:.6g} a second, {chosen.cost_per_metre:.6g} a metre"
+    click.echo(f"chosen:      {AXES[chosen.axis].written(chosen.value)} {chosen.axis}, predicted cost {rates}{edge}")

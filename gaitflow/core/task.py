@@ -25,6 +25,7 @@ class Axis:
 
     spatial: needs a robot with dimension 3. mirrored: changes its sign in a left-right mirror image. reversed: changes
     its sign when time runs backwards and front and hind are swapped, left and right staying, so that it goes forwards.
+    commanded: an operator decides it, and not the place or the load.
     """
 
     name: str
@@ -36,6 +37,7 @@ class Axis:
     spatial: bool = False
     mirrored: bool = False
     reversed: bool = False
+    commanded: bool = True
 
     def admits(self, value: float) -> bool:
         """Whether a value is a finite number from `low` to `high`."""
@@ -55,9 +57,18 @@ AXES: dict[str, Axis] = {
         Axis("yaw_rate", "rad/s", -10.0, 10.0, 0.0, "turning rate, to the left", spatial=True, mirrored=True),
         Axis("acceleration", "m/s^2", -20.0, 20.0, 0.0, "gain of forward speed over a cycle, over T", reversed=True),
         Axis("cycle_duration", "s", 0.01, 20.0, None, "duration T of a cycle"),
-        Axis("slope", "deg", -59.0, 59.0, 0.0, "inclination gamma of the ground, uphill positive", reversed=True),
-        Axis("friction", "1", 0.01, 5.0, 0.8, "friction coefficient mu"),
-        Axis("payload", "kg", 0.0, 1e4, 0.0, "mass carried, at the centre of mass"),
+        Axis(
+            "slope",
+            "deg",
+            -59.0,
+            59.0,
+            0.0,
+            "inclination gamma of the ground, uphill positive",
+            reversed=True,
+            commanded=False,
+        ),
+        Axis("friction", "1", 0.01, 5.0, 0.8, "friction coefficient mu", commanded=False),
+        Axis("payload", "kg", 0.0, 1e4, 0.0, "mass carried, at the centre of mass", commanded=False),
     )
 }
 AXIS_NAMES = tuple(AXES)

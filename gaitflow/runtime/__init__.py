@@ -11,12 +11,12 @@ state = plan.motion().at(1.234)
 from gaitflow.core.errors import ArtifactError, NoTransition, OutOfDomain
 from gaitflow.motion import FootFrame, Frames, Journey, Motion, Stance, State, standing
 from gaitflow.runtime.choice import Choice, Choices
-from gaitflow.runtime.cycle_duration import ChosenDuration
 from gaitflow.runtime.gait_map import GaitMap
+from gaitflow.runtime.left_out import ChosenValue
 from gaitflow.runtime.plan import Plan
 from gaitflow.runtime.tensors import WarmStart
 
 __all__ = [
-    "ArtifactError", "Choice", "Choices", "ChosenDuration", "FootFrame", "Frames", "GaitMap", "Journey", "Motion",
+    "ArtifactError", "Choice", "Choices", "ChosenValue", "FootFrame", "Frames", "GaitMap", "Journey", "Motion",
     "NoTransition", "OutOfDomain", "Plan", "Stance", "State", "WarmStart", "standing",
 ]  # fmt: skip

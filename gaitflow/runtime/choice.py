@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitflow.runtime.cycle_duration import ChosenDuration
+from gaitflow.runtime.left_out import ChosenValue
 from gaitflow.runtime.tensors import WarmStart
 
 
@@ -21,7 +21,7 @@ class Choice:
     classifier's for it, calibrated. `ranked` are all gaits with their probabilities in the order in which `plan` tries
     them: by predicted cost, then those that the atlas does not know there by probability. Outside the map's domain
     `in_domain` is False, and unless it was asked for all the same `gait` and `pattern` are None, `probability` is 0 and
-    `ranked` is empty. `chosen` says of a cycle duration that was left to the map what it costs, and is None otherwise.
+    `ranked` is empty. `chosen` says of the value that was left to the map what it costs, and is None without.
     """
 
     task: Mapping[str, float]
@@ -32,7 +32,7 @@ class Choice:
     ranked: tuple[tuple[str, float], ...]
     _warm_start: Callable[[str, Mapping[str, float]], WarmStart] = field(repr=False, compare=False)
     _distance: Callable[[Mapping[str, float]], float] = field(repr=False, compare=False)
-    chosen: ChosenDuration | None = None
+    chosen: ChosenValue | None = None
 
     @property
     def speed(self) -> float:

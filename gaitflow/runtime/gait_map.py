@@ -19,8 +19,8 @@ from gaitflow.motion.arguments import checked_time
 from gaitflow.motion.journey import last_of
 from gaitflow.runtime.artifact import Artifact, load_artifact
 from gaitflow.runtime.choice import Choice, Choices
-from gaitflow.runtime.cycle_duration import AXIS, ChosenDuration, cheapest_duration, same_duration
 from gaitflow.runtime.hysteresis import MARGIN, checked_margin, is_kept
+from gaitflow.runtime.left_out import Chooser, ChosenValue, Per, left_out
 from gaitflow.runtime.manifest import Gait, Manifest
 from gaitflow.runtime.plan import Asked, Plan, refine_ranked
 from gaitflow.runtime.problem import Problem
@@ -37,8 +37,8 @@ class GaitMap:
     """A published map from tasks to gaits. Build it with `GaitMap.load`.
 
     A task is asked for by the values on the map's axes: speed [m/s] and cycle_duration [s], also by position, and what
-    other axes the map ranges over (`axes`), by name. An axis that the map holds at one value may be given with it. The
-    cycle duration may be left to the map.
+    other axes the map ranges over (`axes`), by name. An axis that the map holds at one value may be given with it. One
+    axis of the command, the cycle duration mostly, may be left to the map.
 
     Immutable and safe to use from many threads, each of which gets a solver of its own.
     """
@@ -84,6 +84,7 @@ class GaitMap:
         speed: float | None = None,
         cycle_duration: float | None = None,
         *,
+        per: Per = "second",
         beyond: bool = False,
         previous: Choice | None = None,
         margin: float = MARGIN,
@@ -94,15 +95,16 @@ class GaitMap:
         Where the atlas knows no gait it is the classifier's likeliest. Outside the map's domain it says nothing, unless
         `beyond` asks for a guess all the same. The gait of the `previous` choice is kept as long as it is predicted to
         cost at most `margin` (relative) more than the cheapest one here, or a tenth of a step of the map's grid away.
-        Without a cycle duration it is the one of least predicted cost a second among those in the domain, and `chosen`
-        says so; that of the previous choice is kept within the margin, too. Raises ValueError for an argument that is
-        no finite number, for an axis that the map does not have or that is missing, and for a previous gait that it
-        does not have; OutOfDomain where there is no cycle duration to choose.
+        One axis of the command that is left out, the cycle duration mostly, takes its value of least predicted cost a
+        second, or `per` "metre", in the domain, and `chosen` says so; that of the previous choice is kept within the
+        margin, too. Raises ValueError for an argument that is no finite number, for an axis that the map does not have
+        or that is missing, and for a previous gait that it does not have; OutOfDomain where there is no value to
+        choose.
         """
         keep, margin = self._kept(previous), checked_margin(margin)
-        task, chosen = self._task(speed, cycle_duration, axes)
+        task, chosen = self._task(speed, cycle_duration, axes, per)
         if chosen is not None and keep is not None and previous is not None:
-            task, chosen = self._kept_duration(task, chosen, previous, margin)
+            task, chosen = self._kept_value(task, chosen, per, previous, margin)
         domain = self.manifest.domain
         inside = domain.contains(task)
         if not inside and not (beyond and self._questions.physical(task)):
@@ -146,6 +148,7 @@ class GaitMap:
         cycle_duration: float | None = None,
         *,
         gait: str | None = None,
+        per: Per = "second",
         top: int = 5,
         beyond: bool = False,
         **axes: float,
@@ -155,8 +158,8 @@ class GaitMap:
         Tried first is the gait that `select` names; gaits that the atlas does not know at this task come last, by their
         probability. If one does not refine to a feasible motion, by none of its full patterns that the atlas knows
         here, the next is tried, `top` gaits at most, and the plan says so. `gait` names the one gait that is tried
-        instead of them. Without a cycle duration it is chosen as `select` does, for that gait. `beyond` plans outside
-        the map's domain, too: what comes out is checked all the same, and a plan that is not feasible says so. Raises
+        instead of them. An axis that is left out is chosen as `select` does, for that gait. `beyond` plans outside the
+        map's domain, too: what comes out is checked all the same, and a plan that is not feasible says so. Raises
         OutOfDomain outside the domain otherwise, and for a task that is not physical; ValueError as `select`, and for a
         gait that the map does not have; ImportError without CasADi; ArtifactError when the map's problem cannot be had.
         """
@@ -164,7 +167,7 @@ class GaitMap:
         if isinstance(top, bool) or not isinstance(top, int) or top < 1:
             raise ValueError(f"top = {top!r}: must be a number of gaits to try, 1 or more")
         forced, domain = None if gait is None else self._index(gait), self.manifest.domain
-        values, chosen = self._task(speed, cycle_duration, axes, forced)
+        values, chosen = self._task(speed, cycle_duration, axes, per, forced)
         inside = domain.contains(values)
         if not inside and not (beyond and self._questions.physical(values)):
             raise OutOfDomain(domain.explain(values))
@@ -214,30 +217,40 @@ class GaitMap:
         return self._names.index(gait)
 
     def _task(
-        self, speed: float | None, cycle_duration: float | None, axes: Mapping[str, float], gait: int | None = None
-    ) -> tuple[dict[str, float], ChosenDuration | None]:
-        """The values that are asked for, with the cycle duration chosen, for a gait or the best one, where left out."""
-        domain = self.manifest.domain
-        if cycle_duration is not None or AXIS not in domain.axes or AXIS in axes:
-            return self._questions.one(speed, cycle_duration, axes), None
-        values = self._questions.one(speed, domain.axes[AXIS][0], axes)
-        chosen = cheapest_duration(self._artifact.atlas, domain, values, self.manifest.cost_scale, gait)
+        self,
+        speed: float | None,
+        cycle_duration: float | None,
+        axes: Mapping[str, float],
+        per: Per,
+        gait: int | None = None,
+    ) -> tuple[dict[str, float], ChosenValue | None]:
+        """The values that are asked for, with the one chosen that is left out, for a gait or the best one."""
+        if per not in ("second", "metre"):
+            raise ValueError(f"per = {per!r}: must be 'second' or 'metre'")
+        given = self._questions.given(speed, cycle_duration, axes)
+        axis = left_out(self.axes, given)
+        if axis is None:
+            return self._questions.one(given), None
+        values = self._questions.one(given | {axis: self.manifest.domain.axes[axis][0]})
+        chosen = self._chooser(axis, per).cheapest(values, gait)
         if chosen is None:
-            others = ", ".join(f"{axis} = {values[axis]:g}" for axis in self.axes if axis != AXIS)
-            raise OutOfDomain(f"{others}: the map knows no cost at any cycle_duration there; give one as well")
-        return values | {AXIS: chosen.value}, chosen
+            others = ", ".join(f"{other} = {values[other]:g}" for other in self.axes if other != axis)
+            raise OutOfDomain(f"{others}: the map knows no cost at any {axis} there; give one as well")
+        return values | {axis: chosen.value}, chosen
 
-    def _kept_duration(
-        self, task: dict[str, float], chosen: ChosenDuration, previous: Choice, margin: float
-    ) -> tuple[dict[str, float], ChosenDuration]:
-        """The cycle duration of a choice before, or else the best one of its gait, within the margin of the best."""
-        known = (self._artifact.atlas, self.manifest.domain, task, self.manifest.cost_scale)
-        gait = self._index(str(previous.gait))
-        kept = None if previous.chosen is None else same_duration(*known, gait, previous.chosen.value)
-        for own in (kept, cheapest_duration(*known, gait)):
-            if own is not None and own.cost_per_second <= (1 + margin) * chosen.cost_per_second:
-                return task | {AXIS: own.value}, own
+    def _kept_value(
+        self, task: dict[str, float], chosen: ChosenValue, per: Per, previous: Choice, margin: float
+    ) -> tuple[dict[str, float], ChosenValue]:
+        """The value chosen before, or else the best one of the gait before, within the margin of the best of all."""
+        chooser, gait, before = self._chooser(chosen.axis, per), self._index(str(previous.gait)), previous.chosen
+        kept = chooser.same(task, gait, before.value) if before is not None and before.axis == chosen.axis else None
+        for own in (kept, chooser.cheapest(task, gait)):
+            if own is not None and own.rate(per) <= (1 + margin) * chosen.rate(per):
+                return task | {own.axis: own.value}, own
         return task, chosen
+
+    def _chooser(self, axis: str, per: Per) -> Chooser:
+        return Chooser(self._artifact.atlas, self.manifest.domain, self.manifest.cost_scale, axis, per)
 
     def _kept(self, previous: object) -> int | None:
         """The number of a previous choice's gait, None where it had none."""

@@ -17,7 +17,7 @@ from gaitflow.core.task_space import TaskSpace
 from gaitflow.core.trajectory import Trajectory
 from gaitflow.motion import Frames, Motion, Point
 from gaitflow.motion.motion import SWING_APEX
-from gaitflow.runtime.cycle_duration import ChosenDuration
+from gaitflow.runtime.left_out import ChosenValue
 from gaitflow.runtime.manifest import Gait
 from gaitflow.runtime.refine import Attempt, Candidate, Refiner
 
@@ -37,7 +37,7 @@ class Plan(Trajectory):
     outcomes, in order, a gait once for each of its full patterns that was tried. iterations over all tried.
     distance: to the nearest training task, in steps of the map's grid. time_ms is wall time of the whole call;
     select_ms of choosing the gaits, predict_ms and refine_ms of their starts and solves. scenario is the map's, JSON
-    data. chosen: what a cycle duration costs that was left to the map, None where it was given.
+    data. chosen: what the value costs that was left to the map, None where all were given.
     """
 
     task: Mapping[str, float]
@@ -57,7 +57,7 @@ class Plan(Trajectory):
     refine_ms: float
     time_ms: float
     scenario: Mapping[str, Any] = field(default_factory=dict, repr=False)
-    chosen: ChosenDuration | None = None
+    chosen: ChosenValue | None = None
 
     def motion(self, swing_apex: float | Literal["planned"] | None = "planned", point: Point = "com") -> Motion:
         """The plan at any time, cycle after cycle; its swings lead `swing_apex` m above the higher of their footholds.

@@ -26,13 +26,16 @@ class Questions:
             axis: fixed.get(axis, AXES[axis].default or 0.0) for axis in MAIN_AXES if axis not in self._ranged
         }
 
-    def one(self, speed: object, cycle_duration: object, axes: Mapping[str, Any]) -> dict[str, float]:
+    @staticmethod
+    def given(speed: object, cycle_duration: object, axes: Mapping[str, Any]) -> dict[str, float]:
+        """The arguments of one question by axis. Raises ValueError for a value that is no finite number."""
+        return {axis: _finite(axis, value) for axis, value in _named(speed, cycle_duration, axes).items()}
+
+    def one(self, given: Mapping[str, float]) -> dict[str, float]:
         """Values by axis of one task: speed, cycle_duration and the other ranged axes.
 
-        Raises ValueError for a value that is no finite number, and for an axis that is not there, that is missing, or
-        that is held at another value.
+        Raises ValueError for an axis that is not there, that is missing, or that is held at another value.
         """
-        given = {axis: _finite(axis, value) for axis, value in _named(speed, cycle_duration, axes).items()}
         if given.keys() != self._ranged:
             self._check_axes(given)
         return {axis: given.get(axis, self._held.get(axis, 0.0)) for axis in self._space.columns}

@@ -1,4 +1,4 @@
-"""The cycle duration of least cost a second, among those that the map allows."""
+"""The value of least cost on an axis that is left out, among those that the map allows."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from gaitflow.core.domain import Domain
 from gaitflow.runtime import GaitMap, OutOfDomain
 from gaitflow.runtime.atlas import Atlas
-from gaitflow.runtime.cycle_duration import cheapest_duration
+from gaitflow.runtime.left_out import Chooser, ChosenValue, Per, left_out
 
 
 class Bowl(Atlas):
@@ -39,14 +39,26 @@ def domain(feasible: list[bool] | None = None) -> Domain:
     return Domain({"speed": (0.0, 1.0), "cycle_duration": values}, np.stack([column, column]))
 
 
+def cheapest(
+    atlas: Atlas,
+    within: Domain,
+    task: dict[str, float],
+    scale: float = 1.0,
+    gait: int | None = None,
+    per: Per = "second",
+) -> ChosenValue | None:
+    (axis,) = {"speed", "cycle_duration"} - task.keys()
+    return Chooser(atlas, within, scale, axis, per).cheapest(task, gait)
+
+
 def test_the_bottom_of_a_bowl(bowl: Atlas) -> None:
-    found = cheapest_duration(bowl, domain(), {"speed": 0.5}, 10.0)
+    found = cheapest(bowl, domain(), {"speed": 0.5}, 10.0)
     assert found is not None
     assert found.value == pytest.approx(0.73, abs=1e-4)
     assert found.cost_per_second == pytest.approx(15.0, abs=1e-6)
     assert found.cost_per_metre == pytest.approx(30.0, abs=1e-5)
     assert found.on_edge is False
-    other = cheapest_duration(bowl, domain(), {"speed": 0.5}, 10.0, gait=1)
+    other = cheapest(bowl, domain(), {"speed": 0.5}, 10.0, gait=1)
     assert other is not None and other.value == pytest.approx(1.1, abs=1e-4)
 
 
@@ -60,17 +72,34 @@ def test_the_bottom_of_a_bowl(bowl: Atlas) -> None:
     ],
 )
 def test_an_edge_is_met_exactly_and_said(bowl: Atlas, feasible: list[bool], value: float) -> None:
-    found = cheapest_duration(bowl, domain(feasible), {"speed": 0.5}, 1.0)
+    found = cheapest(bowl, domain(feasible), {"speed": 0.5}, 1.0)
     assert found is not None
     assert (found.value, found.on_edge) == (value, True)
 
 
 def test_nothing_to_choose_from(bowl: Atlas) -> None:
-    assert cheapest_duration(bowl, domain([False] * 6), {"speed": 0.5}, 1.0) is None
-    assert cheapest_duration(bowl, domain(), {"speed": 1.5}, 1.0) is None
-    assert cheapest_duration(bowl, domain([False] * 5 + [True]), {"speed": 0.5}, 1.0, gait=1) is None
-    at_rest = cheapest_duration(bowl, domain(), {"speed": 0.0}, 1.0)
+    assert cheapest(bowl, domain([False] * 6), {"speed": 0.5}, 1.0) is None
+    assert cheapest(bowl, domain(), {"speed": 1.5}, 1.0) is None
+    assert cheapest(bowl, domain([False] * 5 + [True]), {"speed": 0.5}, 1.0, gait=1) is None
+    at_rest = cheapest(bowl, domain(), {"speed": 0.0}, 1.0)
     assert at_rest is not None and at_rest.cost_per_metre == float("inf")
+
+
+def test_a_speed_has_another_cost_a_metre_than_a_second(bowl: Atlas) -> None:
+    """A second costs 1.0049 + v at 0.8 s, least at rest; and so a metre 1 + 1.0049 / v, least when fast."""
+    slow, fast = (cheapest(bowl, domain(), {"cycle_duration": 0.8}, per=per) for per in ("second", "metre"))
+    assert slow is not None and (slow.axis, slow.value, slow.on_edge) == ("speed", 0.0, True)
+    assert slow.cost_per_second == pytest.approx(1.0049) and slow.cost_per_metre == float("inf")
+    assert fast is not None and (fast.value, fast.on_edge) == (1.0, True)
+    assert fast.cost_per_metre == pytest.approx(2.0049)
+
+
+def test_only_one_axis_of_the_command_is_left_to_the_map() -> None:
+    axes = ("speed", "cycle_duration", "slope")
+    assert left_out(axes, {"speed": 1.0, "slope": 0.0}) == "cycle_duration"
+    assert left_out(axes, {"cycle_duration": 1.0, "slope": 0.0}) == "speed"
+    assert left_out(axes, {"cycle_duration": 1.0, "speed": 0.0}) is None
+    assert left_out(axes, {"slope": 1.0}) is None and left_out(axes, dict.fromkeys(axes, 0.0)) is None
 
 
 @pytest.fixture(scope="module")
@@ -82,6 +111,7 @@ def gait_map(pristine: Path) -> GaitMap:
 def test_speed_alone(gait_map: GaitMap, speed: float) -> None:
     choice, plan = gait_map.select(speed=speed), gait_map.plan(speed=speed)
     assert choice.in_domain and choice.chosen is not None
+    assert choice.chosen.axis == "cycle_duration"
     assert choice.chosen.value == choice.cycle_duration == plan.task["cycle_duration"]
     assert plan.chosen == choice.chosen and plan.gait == choice.gait
     assert choice.chosen.cost_per_second == pytest.approx(plan.cost / choice.cycle_duration, rel=0.1)
@@ -136,9 +166,25 @@ def test_outside_there_is_nothing_to_choose(gait_map: GaitMap) -> None:
             ask(speed=9.0)
 
 
+def test_the_speed_at_which_a_way_costs_least(checkout: Path) -> None:
+    """What animals do: of ANYmal's energy a metre takes least at a speed within its map, a second least when slow."""
+    energy = GaitMap.load(checkout / "models/anymal-energy")
+    thrifty, slow = energy.select(cycle_duration=0.6, per="metre"), energy.select(cycle_duration=0.6)
+    assert thrifty.chosen is not None and slow.chosen is not None
+    assert slow.speed == energy.manifest.domain.axes["speed"][0] and slow.chosen.on_edge
+    assert thrifty.speed > slow.speed and thrifty.chosen.cost_per_metre < slow.chosen.cost_per_metre
+    for speed in np.linspace(0.2, 1.2, 21).tolist():
+        costs, support = energy._artifact.atlas.costs(np.array([speed, 0.6]))
+        if energy.select(speed, 0.6).in_domain and (support >= 0.7).any():
+            metre = costs[support >= 0.7].min() * energy.manifest.cost_scale / (0.6 * speed)
+            assert metre >= thrifty.chosen.cost_per_metre * (1 - 1e-3)
+    with pytest.raises(ValueError, match="per = 'mile': must be 'second' or 'metre'"):
+        energy.select(speed=0.6, per="mile")  # type: ignore[arg-type]
+
+
 def test_the_ground_is_not_chosen(checkout: Path) -> None:
     slopes = GaitMap.load(checkout / "models/half-cheetah-exact-slopes")
-    with pytest.raises(ValueError, match="a task here needs slope as well"):
+    with pytest.raises(ValueError, match="a task here needs cycle_duration, slope as well"):
         slopes.select(speed=0.9)
     up, down = slopes.select(speed=0.9, slope=10.0), slopes.select(speed=0.9, slope=-10.0)
     assert up.chosen is not None and down.chosen is not None and up.task["slope"] == 10.0
