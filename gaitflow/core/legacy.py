@@ -1,9 +1,15 @@
-"""Scenarios as they were written before tasks had axes, in today's form: for published maps and tables of then."""
+"""Scenarios and names of gaits as published maps and tables of earlier formats have them, in today's form."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any
+
+from gaitflow.core.gaits import Pattern
+from gaitflow.core.names import is_grounded_run
+
+_WALK = re.compile(r"([a-z]+-beat) walk ([01/]+)")
 
 
 def modern_scenario(data: Mapping[str, Any]) -> dict[str, Any]:
@@ -29,3 +35,12 @@ def modern_scenario(data: Mapping[str, Any]) -> dict[str, Any]:
         raise ValueError(f"a scenario without tasks.axes, and not of the older form either: {error!r}") from None
     kept = {key: value for key, value in data.items() if key != "terrain"}
     return kept | {"tasks": {"axes": axes, **split}, "transcription": transcription}
+
+
+def modern_name(name: str) -> str:
+    """A gait's name of today: grounded runs were called walks before names told a duty factor."""
+    walk = _WALK.fullmatch(name)
+    try:
+        return f"{walk[1]} grounded run {walk[2]}" if walk and is_grounded_run(Pattern.from_text(walk[2])) else name
+    except ValueError:  # no pattern, so no name of ours
+        return name

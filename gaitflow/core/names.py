@@ -100,9 +100,11 @@ def gait_kind(gait: Pattern, leg_names: Sequence[str]) -> str:
       lands, so a pair that never stands is none either.
     - A trot or pace with flight is running, one with all legs down in some phase and no flight is walking; with
       neither it is plain. A bound flies; without flight it is walking.
-    - Otherwise without flight: a walk, by its beats ("four-beat walk"). That some leg always stands is all that makes
-      it a walk, as in Fig. 8: its legs may each stand for less than half of the cycle, and a duty factor, which depends
-      on the durations of the phases, is no part of a name.
+    - Otherwise without flight, by its beats and duty factor: a walk ("four-beat walk") where legs stand for half of the
+      cycle or more in the mean, a grounded run ("four-beat grounded run") where they stand for less, as Hildebrand
+      tells walks from runs. Durations are no part of a gait, so all phases count as equally long; with two feet or
+      more down throughout it is a walk however long they are, with two or fewer a grounded run. The paper's Fig. 8
+      calls both walks.
     - Otherwise with flight: a gallop when both hind legs land and then both front legs, in three or four beats;
       a canter when a hind leg, a diagonal pair and a front leg land in this order; any other is a run by its beats
       ("three-beat run"). Gallop and canter land each leg once a cycle.
@@ -113,6 +115,12 @@ def gait_kind(gait: Pattern, leg_names: Sequence[str]) -> str:
     name = gait_name(gait, leg_names)
     places = quadruped_places(leg_names)
     return name if places is None else _kind(_placed(gait, places))
+
+
+def is_grounded_run(gait: Pattern) -> bool:
+    """Whether some leg always stands, and legs stand for less than half of the cycle in the mean over equal phases."""
+    down = [sum(gait.column(phase)) for phase in range(gait.phases)]
+    return min(down) > 0 and 2 * sum(down) < gait.phases * gait.legs
 
 
 def _placed(gait: Pattern, places: Sequence[int]) -> Pattern:
@@ -135,7 +143,7 @@ def _kind(gait: Pattern) -> str:
             return f"running {name}" if flies else f"walking {name}" if all_down else name
     beats = _beats(columns)
     if not flies:
-        return f"{_COUNT[len(beats)]}-beat walk"
+        return f"{_COUNT[len(beats)]}-beat {'grounded run' if is_grounded_run(gait) else 'walk'}"
     if all(gait.touchdowns(leg) == 1 for leg in range(4)):
         if len(beats) >= 3 and _couplets(beats):
             return "gallop"

@@ -22,11 +22,14 @@ NAMED_COLOURS = {
     "gallop-bound": "#CC79A7",
     "bounding": "#009E73",
 }
-# Kinds of a quadruped's gaits, walks first; walks are blue, trots green and orange, paces purple.
+# Kinds of a quadruped's gaits, walks first; walks are blue, grounded runs greyer, trots green and orange, paces purple.
 KIND_COLOURS = {
     "four-beat walk": "#0072B2",
     "three-beat walk": "#56B4E9",
     "two-beat walk": "#6A5ACD",
+    "four-beat grounded run": "#0E7490",
+    "three-beat grounded run": "#7FB7BE",
+    "two-beat grounded run": "#94A3C4",
     "walking trot": "#117733",
     "trot": "#8DB600",
     "running trot": "#E69F00",

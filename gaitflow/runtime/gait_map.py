@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from gaitflow.core.errors import OutOfDomain
+from gaitflow.core.legacy import modern_name
 from gaitflow.core.trajectory import Array
 from gaitflow.motion import Journey, Motion
 from gaitflow.motion.arguments import checked_time
@@ -211,10 +212,11 @@ class GaitMap:
         return warm_start(manifest.layout, gait, manifest.gaits[index].pattern, vectors, task)
 
     def _index(self, gait: str) -> int:
-        """The number of a gait. Raises ValueError that names those the map has."""
-        if gait not in self._names:
+        """The number of a gait, by its name of today or an earlier one. Raises ValueError with those the map has."""
+        name = modern_name(gait) if isinstance(gait, str) else gait
+        if name not in self._names:
             raise ValueError(f"gait = {gait!r}: the map has {', '.join(self._names)}")
-        return self._names.index(gait)
+        return self._names.index(name)
 
     def _task(
         self,

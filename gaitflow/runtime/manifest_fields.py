@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from gaitflow.core.gaits import Pattern
 from gaitflow.core.layout import Layout
-from gaitflow.core.legacy import modern_scenario
+from gaitflow.core.legacy import modern_name, modern_scenario
 from gaitflow.core.task import AXES
 from gaitflow.motion.frames import are_frames
 from gaitflow.runtime.files import LIMITS, FileEntry
@@ -115,7 +115,7 @@ def _gait(fields: Fields, layout: Layout) -> Gait:
             fields.refuse(
                 name, f"a pattern of {layout.legs} legs and {layout.phases} phases (a key may have fewer phases)"
             )
-    return Gait(fields.text("name"), fields.text("key"), fields.text("pattern"))
+    return Gait(modern_name(fields.text("name")), fields.text("key"), fields.text("pattern"))
 
 
 def _is_leg(leg: object) -> bool:

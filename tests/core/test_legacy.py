@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from gaitflow.core.layout import Layout
-from gaitflow.core.legacy import modern_scenario
+from gaitflow.core.legacy import modern_name, modern_scenario
 from gaitflow.core.task import Task
 from gaitflow.core.task_space import TaskSpace
 
@@ -48,3 +48,18 @@ def test_todays_form_passes() -> None:
 def test_neither_form_is_refused(missing: str) -> None:
     with pytest.raises(ValueError, match=r"without tasks\.axes"):
         modern_scenario({key: value for key, value in OLD.items() if key != missing})
+
+
+@pytest.mark.parametrize(
+    ("name", "today"),
+    [
+        ("four-beat walk 0001/0100/0010/1000", "four-beat grounded run 0001/0100/0010/1000"),
+        ("four-beat grounded run 0001/0100/0010/1000", "four-beat grounded run 0001/0100/0010/1000"),
+        ("three-beat walk 0011/1110/1110/1001", "three-beat walk 0011/1110/1110/1001"),
+        ("four-beat walk", "four-beat walk"),
+        ("trot", "trot"),
+        ("four-beat walk 0001/01", "four-beat walk 0001/01"),
+    ],
+)
+def test_grounded_runs_that_were_called_walks(name: str, today: str) -> None:
+    assert modern_name(name) == today

@@ -113,9 +113,18 @@ def test_a_pair_of_legs_that_never_lands_makes_no_pair_kind(text: str, kind: str
     assert gait_name(pattern, LEGS) == f"{kind} {gait_of(pattern, LEFT_RIGHT).text}"
 
 
-def test_a_walk_is_told_by_its_want_of_flight_whatever_its_duty() -> None:
-    pattern = Pattern.from_text("0001/0100/0010/1000")  # each leg stands for a quarter of the phases
-    assert gait_kind(pattern, LEGS) == "four-beat walk"
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        ("0001/0100/0010/1000", "four-beat grounded run"),  # one leg down at a time: they stand for a quarter
+        ("0001/0110/1100/0001", "three-beat grounded run"),  # one or two
+        ("0011/1100/0110/1001", "four-beat walk"),  # two, so a half
+        ("0011/1110/1110/1001", "three-beat walk"),  # two or three
+        ("0111/0011/0001/1100", "four-beat walk"),  # one to three, two in the mean
+    ],
+)
+def test_legs_that_stand_for_less_than_half_of_the_cycle_run_without_flight(text: str, kind: str) -> None:
+    assert gait_kind(Pattern.from_text(text), LEGS) == kind
 
 
 def test_the_order_of_landing_tells_canter_and_gallop_from_runs() -> None:
@@ -135,7 +144,7 @@ def test_names_are_one_to_one_over_all_single_stance_gaits() -> None:
     assert set(ARCHETYPES) <= names
     kinds = {gait_kind(gait, LEGS) for gait in gaits}
     assert {name.rsplit(" ", 1)[0] if "/" in name else name for name in names} == kinds
-    walks = {f"{count}-beat walk" for count in ("two", "three", "four")}
+    walks = {f"{count}-beat {kind}" for count in ("two", "three", "four") for kind in ("walk", "grounded run")}
     runs = {f"{count}-beat run" for count in ("one", "two", "three")}
     assert kinds == set(ARCHETYPES) | walks | runs | {"gallop", "canter"}
 
@@ -145,7 +154,7 @@ def test_walks_never_fly_and_runs_do() -> None:
     for gait in single_stance_gaits():
         kind = gait_kind(gait, LEGS)
         flies = any(not any(gait.column(phase)) for phase in range(gait.phases))
-        assert flies != (kind.endswith("walk") or kind in grounded), (gait.text, kind)
+        assert flies != (kind.endswith(("walk", "grounded run")) or kind in grounded), (gait.text, kind)
 
 
 @given(quadruped_patterns, st.integers(-10, 10), st.data())
