@@ -231,19 +231,26 @@ def report(workspace: Workspace, scenario: Scenario) -> list[Path]:
 
 
 def claims(workspace: Workspace) -> tuple[Claim, ...]:
-    """The paper's statements, measured on the newest published labels of its scenarios and of the exact ones."""
+    """The paper's statements, measured on the newest published datasets of its scenarios and of the exact ones."""
     import pandas as pd
 
+    from gaitflow.dataset import load_solutions
     from gaitflow.publishing.dataset import LABELS
     from gaitflow.report.claims import SCENARIOS, check_claims
+    from gaitflow.report.stored import scenario_of
+    from gaitflow.report.winners import winners
     from gaitflow.runtime.versions import versions_in
 
-    frames = {}
+    frames, motions = {}, {}
     for name in SCENARIOS:
         versions = versions_in(workspace.datasets / name)
         if versions:
-            frames[name] = pd.read_parquet(workspace.datasets / name / str(versions[-1]) / LABELS)
-    return check_claims(frames)
+            folder = workspace.datasets / name / str(versions[-1])
+            frames[name] = pd.read_parquet(folder / LABELS)
+            solutions = load_solutions(folder)
+            on_grid = frames[name][frames[name]["split"] == "grid"]
+            motions[name] = winners(on_grid, solutions, scenario_of(solutions).tasks.space)
+    return check_claims(frames, motions)
 
 
 def verify(path: Path) -> list[str]:

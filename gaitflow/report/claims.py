@@ -1,6 +1,7 @@
-"""Every statement of section IV.A on Fig. 4a-c, measured on labelled task grids by a rule fixed beforehand.
+"""Every statement of section IV on its maps, measured on labelled task grids and their motions by fixed rules.
 
-The rules are a literal reading of the paper's sentences, written before this package computed a map.
+The rules are a literal reading of the paper's sentences; those on section IV.A were written before this package
+computed a map.
 
 - Only grid tasks count. A task counts for the gait that costs least there; the share that includes ties within the
   tolerance is reported beside it, and decides nothing.
@@ -12,6 +13,8 @@ The rules are a literal reading of the paper's sentences, written before this pa
   cycle durations the lower third. Regions touch along an edge of the grid, not at a corner.
 - "Pronking" is gait d of Fig. 5 alone; gallop-pronk, which the text does not mention, is counted apart.
 - A statement about a gait that never appears does not hold; one whose scenario or window is missing is not measured.
+- Motions of a region are similar where a coordinate of Fig. 6 (height, pitch, in space roll, and their rates) over the
+  cycle's knots correlates by 0.9 with the mean of the region's motions of one pattern.
 
 Each statement is measured twice: on the maps of the paper's forward Euler, and on those of the exact motion. There a
 gait and its time reversal are one on flat ground. Of Fig. 5 that is so for pronking and gallop-pronk: in the exact
@@ -22,6 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 import pandas as pd
@@ -29,17 +33,20 @@ import pandas as pd
 from gaitflow.report import measures
 from gaitflow.report.measures import Outcome, Verdict
 from gaitflow.report.regions import GaitGrid
+from gaitflow.report.similarity import Regions, scaled_shape, similar_shapes
 
 FIGURES = {
     "4a": "half-cheetah-flat-effort",
     "4b": "half-cheetah-flat-vibration",
     "4c": "half-cheetah-slope20-vibration",
+    "7": "anymal-flat-vibration",
 }
 
 EXACT = {
     "4a": "half-cheetah-exact-effort",
     "4b": "half-cheetah-exact-vibration",
     "4c": "half-cheetah-exact-slope20-vibration",
+    "7": "anymal-exact-vibration",
 }
 SCENARIOS = (*FIGURES.values(), *EXACT.values())
 REVERSED = {"pronking": "gallop-pronk"}
@@ -64,20 +71,26 @@ class _Check:
     id: str
     statement: str
     needs: tuple[str, ...]  # figures
-    measure: Callable[..., Outcome]  # one GaitGrid per needed figure
+    measure: Callable[..., Outcome]  # one GaitGrid per needed figure, or one Regions
+    on_motions: bool = False
 
 
-def check_claims(labels: Mapping[str, pd.DataFrame]) -> tuple[Claim, ...]:
-    """One row per statement; `labels` maps scenario names (SCENARIOS) to labels frames.
+def check_claims(labels: Mapping[str, pd.DataFrame], motions: Mapping[str, Regions]) -> tuple[Claim, ...]:
+    """One row per statement; by scenario name (SCENARIOS) labels frames, and the motions that win, by gait.
 
     A statement whose scenarios are not all given is "not measured" and says which are missing.
     Raises ValueError when a labels frame has no grid task.
     """
-    euler, exact = _grids(labels, FIGURES, {}), _grids(labels, EXACT, REVERSED)
+    of_euler = _grids(labels, FIGURES, {}), _regions(motions, FIGURES)
+    of_exact = _grids(labels, EXACT, REVERSED), _regions(motions, EXACT)
     return tuple(
-        Claim(check.id, check.statement, *_outcome(check, euler, FIGURES), *_outcome(check, exact, EXACT))
+        Claim(check.id, check.statement, *_outcome(check, *of_euler, FIGURES), *_outcome(check, *of_exact, EXACT))
         for check in CHECKS
     )
+
+
+def _regions(motions: Mapping[str, Regions], names: Mapping[str, str]) -> Mapping[str, Regions]:
+    return {figure: motions[name] for figure, name in names.items() if name in motions}
 
 
 def _grids(labels: Mapping[str, pd.DataFrame], names: Mapping[str, str], merged: Mapping[str, str]) -> Grids:
@@ -101,11 +114,12 @@ def claims_markdown(claims: Sequence[Claim]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _outcome(check: _Check, grids: Grids, names: Mapping[str, str]) -> Outcome:
-    missing = [f"{names[figure]} (Fig. {figure})" for figure in check.needs if figure not in grids]
+def _outcome(check: _Check, grids: Grids, motions: Mapping[str, Regions], names: Mapping[str, str]) -> Outcome:
+    given: Mapping[str, Any] = motions if check.on_motions else grids
+    missing = [f"{names[figure]} (Fig. {figure})" for figure in check.needs if figure not in given]
     if missing:
         return "not measured", "needs " + " and ".join(missing)
-    return check.measure(*(grids[figure] for figure in check.needs))
+    return check.measure(*(given[figure] for figure in check.needs))
 
 
 CHECKS = (
@@ -177,4 +191,35 @@ CHECKS = (
     _Check("4a-contiguous", "Gaits occupy several contiguous regions of Fig. 4a.", ("4a",), measures.contiguous),
     _Check("4b-contiguous", "Gaits occupy several contiguous regions of Fig. 4b.", ("4b",), measures.contiguous),
     _Check("4c-contiguous", "Gaits occupy several contiguous regions of Fig. 4c.", ("4c",), measures.contiguous),
+    *(
+        _Check(
+            f"6-similar-{figure}",
+            f"Within a region of Fig. {figure} trajectories look qualitatively similar (IV.B, Fig. 6).",
+            (figure,),
+            similar_shapes,
+            on_motions=True,
+        )
+        for figure in ("4a", "4b", "4c")
+    ),
+    _Check("7-structured", "In space, too, gaits occupy several contiguous regions.", ("7",), measures.contiguous),
+    _Check("7-no-flight", "At low speeds gaits avoid flying phases.", ("7",), measures.no_flight_when_slow),
+    _Check("7-flight", "At higher speeds gaits have noticeable flying phases.", ("7",), measures.flight_when_fast),
+    _Check("7-running", "Among them are running trot and pace.", ("7",), measures.running_trot_and_pace),
+    _Check(
+        "7-more", "The number of gaits is even larger than in the plane.", ("4a", "4b", "4c", "7"), measures.more_gaits
+    ),
+    _Check(
+        "10-shape",
+        "Within a region the shape remains and only the scale changes: running trot (IV.C, Fig. 10).",
+        ("7",),
+        partial(scaled_shape, "running trot"),
+        on_motions=True,
+    ),
+    _Check(
+        "10-similar",
+        "The same of all regions of Fig. 7.",
+        ("7",),
+        similar_shapes,
+        on_motions=True,
+    ),
 )

@@ -1,4 +1,4 @@
-"""Measures of the statements of section IV.A on labelled task grids; `gaitflow.report.claims` states the rules."""
+"""Measures of the statements of section IV on labelled task grids; `gaitflow.report.claims` states the rules."""
 
 from __future__ import annotations
 
@@ -32,9 +32,13 @@ def _all_of(conditions: Mapping[str, bool]) -> Outcome:
     return ("holds" if met == 1 else "holds in part" if met >= IN_PART else "does not"), text
 
 
+def counted_share(inside: int, total: int, things: str) -> str:
+    """ "3 of 4 tasks (75%)"."""
+    return f"{inside} of {total} {things}" + (f" ({inside / total:.0%})" if total else "")
+
+
 def _count(part: Mask, whole: Mask) -> str:
-    inside, total = int((part & whole).sum()), int(whole.sum())
-    return f"{inside} of {total} tasks" + (f" ({inside / total:.0%})" if total else "")
+    return counted_share(int((part & whole).sum()), int(whole.sum()), "tasks")
 
 
 def _share(part: Mask, whole: Mask) -> float:
@@ -199,6 +203,35 @@ def distinct(a: GaitGrid, b: GaitGrid, c: GaitGrid) -> Outcome:
     least = min(shares)
     verdict: Verdict = "holds" if least >= DIFFERENT else "holds in part" if least >= SOMEWHAT_DIFFERENT else "does not"
     return verdict, "; ".join(texts)
+
+
+def no_flight_when_slow(grid: GaitGrid) -> Outcome:
+    """Share of gaits without flight in the lower third of speeds."""
+    window = grid.window(speed=grid.third("speed", 0))
+    return verdict_of(_share(~grid.flies, window)), f"no flight at {_count(~grid.flies, window)}"
+
+
+def flight_when_fast(grid: GaitGrid) -> Outcome:
+    """Share of gaits with flight in the upper third of speeds."""
+    window = grid.window(speed=grid.third("speed", 2))
+    return verdict_of(_share(grid.flies, window)), f"flight at {_count(grid.flies, window)}"
+
+
+def running_trot_and_pace(grid: GaitGrid) -> Outcome:
+    """Whether both are best somewhere in the upper third of speeds, each by any of its gaits."""
+    window = grid.window(speed=grid.third("speed", 2))
+    conditions = {}
+    for kind in ("running trot", "running pace"):
+        named = np.array([[str(name).startswith(kind) for name in row] for row in grid.gaits], dtype=bool)
+        conditions[f"{kind} ({_count(named, window)})"] = bool((named & window).any())
+    return _all_of(conditions)
+
+
+def more_gaits(*grids: GaitGrid) -> Outcome:
+    """Whether the last map has more gaits than the others have together."""
+    before, after = {name for grid in grids[:-1] for name in grid.names}, grids[-1].names
+    text = f"{len(after)} gaits, {len(before)} in Fig. 4a-c together"
+    return ("holds" if len(after) > len(before) else "does not"), text
 
 
 def _shared(one: GaitGrid, two: GaitGrid) -> tuple[GaitGrid, GaitGrid]:

@@ -10,6 +10,8 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from gaitflow.core.gaits import Pattern
+
 Mask = NDArray[np.bool_]
 INFEASIBLE = ""  # gait of a grid task that no pattern solves
 NEAR = 1e-6  # m/s or s: window limits include grid values that differ by rounding
@@ -20,14 +22,16 @@ class GaitGrid:
     """Best gaits on a rectangular task grid.
 
     speeds [n] m/s rising; durations [m] s rising; gaits [n, m] names, "" where the task is infeasible or was not
-    part of the grid; ties [n, m] sets of the names that cost the same within the tie tolerance. Of a map with further
-    axes it holds one slice. merged: names that stand for one gait here, each with the one that the map calls it by.
+    part of the grid; ties [n, m] sets of the names that cost the same within the tie tolerance; flies [n, m] whether
+    no foot stands in some phase of the gait. Of a map with further axes it holds one slice. merged: names that stand
+    for one gait here, each with the one that the map calls it by.
     """
 
     speeds: NDArray[np.float64]
     durations: NDArray[np.float64]
     gaits: NDArray[np.object_]
     ties: NDArray[np.object_]
+    flies: Mask
     merged: Mapping[str, str] = field(default_factory=dict)
 
     @classmethod
@@ -44,11 +48,14 @@ class GaitGrid:
         durations = np.sort(rounded["cycle_duration"].unique()).astype(float)
         gaits = np.full((len(speeds), len(durations)), INFEASIBLE, dtype=object)
         ties = np.full(gaits.shape, frozenset(), dtype=object)
+        flies = np.zeros(gaits.shape, dtype=bool)
         for row in rounded[rounded["status"] == "solved"].to_dict("records"):
             at = np.searchsorted(speeds, row["speed"]), np.searchsorted(durations, row["cycle_duration"])
             gaits[at] = called.get(row["gait"], row["gait"])
             ties[at] = frozenset(called.get(name, name) for name in (*row["ties"], row["gait"]))
-        return cls(speeds, durations, gaits, ties, called)
+            gait = Pattern.from_text(row["gait_key"])
+            flies[at] = any(not any(gait.column(phase)) for phase in range(gait.phases))
+        return cls(speeds, durations, gaits, ties, flies, called)
 
     @property
     def feasible(self) -> Mask:
@@ -72,7 +79,8 @@ class GaitGrid:
         """The part of the map on some of its speeds and durations (both must be on the grid)."""
         rows, columns = np.searchsorted(self.speeds, speeds), np.searchsorted(self.durations, durations)
         at = np.ix_(rows, columns)
-        return GaitGrid(self.speeds[rows], self.durations[columns], self.gaits[at], self.ties[at], self.merged)
+        parts = self.gaits[at], self.ties[at], self.flies[at]
+        return GaitGrid(self.speeds[rows], self.durations[columns], *parts, self.merged)
 
     def best(self, gait: str) -> Mask:
         """Tasks at which `gait` costs least, [n, m]."""
