@@ -15,6 +15,7 @@ try:
     from gaitflow.cli.drive import drive
     from gaitflow.cli.export import export
     from gaitflow.cli.labels import labels
+    from gaitflow.cli.paper import paper
     from gaitflow.cli.plan import plan
     from gaitflow.cli.robot import robot
     from gaitflow.cli.show import show
@@ -28,7 +29,7 @@ COMMANDS = (
     run, solve, label, atlas, train, publish, report,  # a map's stages
     submit, cancel, doctor, compact,  # on a cluster
     plan, labels, show, export, walk, drive,  # what a map is for
-    status, validate, verify, robot, bench,
+    status, validate, verify, robot, paper, bench,
 )  # fmt: skip
 
 

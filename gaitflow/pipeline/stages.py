@@ -235,6 +235,7 @@ def claims(workspace: Workspace) -> tuple[Claim, ...]:
     import pandas as pd
 
     from gaitflow.dataset import load_solutions
+    from gaitflow.dataset.legacy import modern_labels
     from gaitflow.publishing.dataset import LABELS
     from gaitflow.report.claims import SCENARIOS, check_claims
     from gaitflow.report.stored import scenario_of
@@ -246,7 +247,7 @@ def claims(workspace: Workspace) -> tuple[Claim, ...]:
         versions = versions_in(workspace.datasets / name)
         if versions:
             folder = workspace.datasets / name / str(versions[-1])
-            frames[name] = pd.read_parquet(folder / LABELS)
+            frames[name] = modern_labels(pd.read_parquet(folder / LABELS))
             solutions = load_solutions(folder)
             on_grid = frames[name][frames[name]["split"] == "grid"]
             motions[name] = winners(on_grid, solutions, scenario_of(solutions).tasks.space)

@@ -9,6 +9,7 @@ import pandas as pd
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.legacy import modern_scenario
+from gaitflow.dataset.legacy import modern_labels
 from gaitflow.files import atomic_write
 from gaitflow.report.claims import Claim, check_claims
 from gaitflow.report.report import png_of
@@ -63,7 +64,8 @@ def published_map(folder: Path) -> LabelledMap | None:
     version = folder / str(versions[-1])
     record = read_record(pq.read_metadata(version / FILE_NAME).metadata, str(version / FILE_NAME))
     scenario = Scenario.from_data(modern_scenario(record["scenario"]), str(version))
-    return LabelledMap(scenario, pd.read_parquet(version / LABELS), pd.read_parquet(version / GAIT_COSTS))
+    labels, costs = (modern_labels(pd.read_parquet(version / name)) for name in (LABELS, GAIT_COSTS))
+    return LabelledMap(scenario, labels, costs)
 
 
 def _row(name: str, found: pd.DataFrame, tolerance: float) -> tuple[str, ...]:

@@ -26,7 +26,7 @@ LONG_NAME = 22  # letters
 MAX_NAMED = 12  # gaits with a colour of their own, those that win most tasks
 COLUMNS = 3  # of panels
 TAIL = "#c4c4c4"
-TITLE_WIDTH = 90  # characters of a line over the whole figure
+TITLE_WIDTH, BESIDE_LEGEND = 90, 68  # characters of a line over the whole figure, and beside a legend
 BAND = (-0.5, 0.5)  # heights of a map of one axis
 
 
@@ -63,7 +63,7 @@ def draw_gait_map(
         draw_tasks(panel, colours)
         panel.axes.use_sticky_edges = False
         panel.axes.margins(0.035)
-    figure.suptitle(textwrap.fill(title, TITLE_WIDTH), fontsize=12, x=0.01, ha="left")
+    figure.suptitle(textwrap.fill(title, TITLE_WIDTH if below else BESIDE_LEGEND), fontsize=12, x=0.01, ha="left")
     if below:
         figure.legend(handles=handles, loc="outside lower center", ncols=2, fontsize=9, frameon=False)
     else:

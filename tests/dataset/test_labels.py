@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,10 @@ import pandas as pd
 import pytest
 
 from gaitflow.core.gaits import Pattern, gait_of
+from gaitflow.core.names import gait_name
 from gaitflow.core.task import Split, Task
 from gaitflow.dataset.labels import COSTS, LABELS, gait_costs, label_tasks, mark_failed
+from gaitflow.dataset.legacy import modern_labels
 
 LEGS = ("F", "H")
 GALLOP, WALK, BOUND = (gait_of(Pattern.from_text(text)).text for text in ("0110/1100", "0111/1101", "0001/0100"))
@@ -214,3 +217,15 @@ def test_a_task_is_infeasible_only_when_every_pattern_got_that_verdict(
     solutions = pd.DataFrame(rows)
     labels = label_tasks(gait_costs(solutions, LEGS), [one, solved], 1e-3, KNOTS)
     assert mark_failed(labels, solutions)["status"].tolist() == [status, "solved"]
+
+
+def test_names_of_published_labels_are_read_as_those_of_today() -> None:
+    folder = Path(__file__).parents[2] / "datasets/anymal-energy/1.0.0"
+    for file in ("labels.parquet", "gait_costs.parquet"):
+        stored = pd.read_parquet(folder / file)
+        today = modern_labels(stored)
+        keys = {key: gait_name(Pattern.from_text(key), ("LF", "RF", "LH", "RH")) for key in stored["gait_key"] if key}
+        assert (today["gait"] == stored["gait_key"].map(keys).fillna("")).all()
+        assert (today["gait"] != stored["gait"]).any()
+    labels = modern_labels(pd.read_parquet(folder / "labels.parquet"))
+    assert all(row["gait"] in row["ties"] for row in labels.to_dict("records"))
