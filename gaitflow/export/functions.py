@@ -10,6 +10,7 @@ from typing import Any
 
 import casadi
 
+from gaitflow.export.stepwise import stepwise
 from gaitflow.problem import SeparableProblem
 from gaitflow.solvers.program import derivatives
 
@@ -39,17 +40,24 @@ def identifier(scenario: str) -> str:
 
 def _functions(problem: SeparableProblem, prefix: str) -> dict[str, Any]:
     """By name: the functions of (w, task), the Hessian's of (w, task, multipliers)."""
+    found = _in_one_piece(problem) if problem.steps is None else stepwise(problem, problem.steps)
+    inputs, outputs = ("w", "task", "multipliers"), {name: (name,) for name in found} | {"problem": ("cost", "rows")}
+    return {
+        name: casadi.Function(f"{prefix}_{name}", *each, inputs[: len(each[0])], outputs[name])
+        for name, each in found.items()
+    }
+
+
+def _in_one_piece(problem: SeparableProblem) -> dict[str, tuple[list[Any], list[Any]]]:
+    """Inputs and results of the functions, of a problem of which nothing is known but what it computes."""
     function = derivatives(problem)
     w, task, multipliers = (casadi.SX.sym(function.name_in(i), function.numel_in(i)) for i in range(3))
     cost, rows, gradient, jacobian, hessian = function(w, task, multipliers)
-    primal, names = [w, task], ["w", "task"]
-    results = {
-        "problem": (primal, [cost, rows], names, ["cost", "rows"]),
-        "gradient": (primal, [gradient], names, ["gradient"]),
-        "jacobian": (primal, [jacobian], names, ["jacobian"]),
-        "hessian": ([*primal, multipliers], [hessian], [*names, "multipliers"], ["hessian"]),
+    results = {"problem": [cost, rows], "gradient": [gradient], "jacobian": [jacobian], "hessian": [hessian]}
+    return {
+        name: ([w, task, multipliers] if name == "hessian" else [w, task], casadi.cse(result))
+        for name, result in results.items()
     }
-    return {name: casadi.Function(f"{prefix}_{name}", *each, {"cse": True}) for name, each in results.items()}
 
 
 def _generated(name: str, prefix: str, functions: Sequence[Any]) -> dict[str, str]:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from gaitflow.core.task import AXES
 from gaitflow.core.trajectory import Array
+from gaitflow.problem.steps import Steps
 
 Expression = Callable[[ca.SX, ca.SX], ca.SX]  # of variables and task [axes]
 
@@ -81,10 +82,14 @@ def _derived(step: Expression, point: ca.SX, task: ca.SX, pull: ca.SX) -> tuple[
 
 @dataclass(frozen=True, eq=False)
 class SeparableProblem:
-    """A nonlinear program (w [nw], task [axes]) -> (cost [1], rows [ng]): `rest`, and the costs of elements."""
+    """A nonlinear program (w [nw], task [axes]) -> (cost [1], rows [ng]): `rest`, and the costs of elements.
+
+    steps: what `rest` is made of, where that is known.
+    """
 
     rest: ca.Function
     elements: tuple[Element, ...] = ()
+    steps: Steps | None = None
 
     @cached_property
     def function(self) -> ca.Function:

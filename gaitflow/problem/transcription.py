@@ -6,25 +6,27 @@ through big-M rows. Both are in scaled variables (see `layout`); a stored cost i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import casadi as ca
 import numpy as np
+from numpy.typing import NDArray
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern
 from gaitflow.core.layout import Layout
 from gaitflow.core.task import AXES
-from gaitflow.problem import contact, friction, kinematics, periodicity, timing
+from gaitflow.problem import contact, friction, periodicity, timing
 from gaitflow.problem.bounds import Bounds, constant_rows, physical_bounds
 from gaitflow.problem.dynamics import Body, Node, body_of, node
 from gaitflow.problem.energy_elements import energy_elements
 from gaitflow.problem.force_rate import force_rate
-from gaitflow.problem.objectives import StepCost
 from gaitflow.problem.reach import reach_rows
 from gaitflow.problem.separable import Element, SeparableProblem
-from gaitflow.problem.step import base_defects
+from gaitflow.problem.steps import Step, Steps, StepTerms, one_step, step_terms
 from gaitflow.problem.task import TaskParameters, task_parameters
 
 
@@ -114,9 +116,19 @@ def transcribe(scenario: Scenario) -> GaitProblem:
     layout = Layout.of(scenario.as_data())
     scale = _cost_scale(scenario, layout)
     w, parameters = ca.SX.sym("w", layout.nw), ca.SX.sym("task", len(AXES))
-    cost, groups = _terms(scenario, layout, w, parameters)
-    rest = ca.Function("nlp", [w, parameters], [cost / scale, ca.vertcat(*groups)], ["w", "task"], ["cost", "rows"])
-    return GaitProblem(scenario, layout, SeparableProblem(rest, _elements(scenario, layout, scale)), scale)
+    task = task_parameters(scenario.tasks, parameters)
+    nodes, times = _Nodes(layout, w, body_of(scenario.robot, task)), _times(layout, w[layout.fractions], task)
+
+    def program(name: str, steps: Sequence[StepTerms]) -> ca.Function:
+        cost, groups = _joined(steps, _others(scenario, layout, w, task, nodes, times))
+        return ca.Function(name, [w, parameters], [cost / scale, ca.vertcat(*groups)], ["w", "task"], ["cost", "rows"])
+
+    terms = _step_terms(scenario, layout, w, task, nodes, times)
+    function, places, data = one_step(scenario, layout, scale)
+    rest = program("rest", [_nothing(terms[0])] * len(terms))
+    steps = Steps(function, places, data, _row_places(terms, layout), rest)
+    separable = SeparableProblem(program("nlp", terms), _elements(scenario, layout, scale), steps)
+    return GaitProblem(scenario, layout, separable, scale)
 
 
 def _elements(scenario: Scenario, layout: Layout, scale: float) -> tuple[Element, ...]:
@@ -164,40 +176,70 @@ class _Nodes:
         return self._built[key]
 
 
-def _terms(scenario: Scenario, layout: Layout, w: ca.SX, parameters: ca.SX) -> tuple[ca.SX, list[ca.SX]]:
-    """Cost and the row groups that both forms share."""
-    robot, rule, objective = scenario.robot, scenario.transcription.integrator, scenario.objective
-    task = task_parameters(scenario.tasks, parameters)
-    nodes = _Nodes(layout, w, body_of(robot, task))
-    fractions, cycle = w[layout.fractions], task["cycle_duration"]
-    times = _times(layout, fractions, cycle)
+@dataclass(frozen=True, eq=False)
+class _Others:
+    """What is not of a step: cost, unscaled, the cones of end forces by phase, and the rows behind those of steps."""
 
-    cost = ca.SX(0)
-    defects, offsets, between, cones, speeds = [], [], [], [], []
+    cost: ca.SX
+    cones: list[ca.SX]
+    rows: list[ca.SX]
+
+
+def _joined(steps: Sequence[StepTerms], others: _Others) -> tuple[ca.SX, list[ca.SX]]:
+    """Cost and the row groups that both forms share; at the end of each phase come the cones of its end forces."""
+    cost = sum((step.cost for step in steps), ca.SX(0)) + others.cost
+    cones = [step.cones for step in steps]
+    for phase in reversed(range(len(others.cones))):
+        cones.insert((phase + 1) * len(steps) // len(others.cones), others.cones[phase])
+    groups = [[getattr(step, name) for step in steps] for name in ("defects", "offsets", "between")]
+    speeds = [step.speeds for step in steps]
+    return cost, [*(each for group in groups for each in group), *cones, *speeds, *others.rows]
+
+
+def _step_terms(
+    scenario: Scenario, layout: Layout, w: ca.SX, task: TaskParameters, nodes: _Nodes, times: list[ca.SX]
+) -> list[StepTerms]:
+    """The terms of all steps."""
+    terms, fractions, cycle = [], w[layout.fractions], task["cycle_duration"]
     for k in range(layout.steps):
-        start, end = nodes.start(k), nodes.end(k)
         h = cycle * fractions[layout.phase_of(k)] * layout.shares[k % layout.knots_per_phase]
-        step_cost = StepCost(robot, task, (start, end), (times[k], times[k + 1]), h)
-        cost += step_cost.sampled(objective) if rule == "euler" else step_cost.integrated(objective)
-        moved = ca.vertcat(*end.feet) - ca.vertcat(*start.feet)
-        velocities = w[layout.control(k)][layout.legs * layout.dimension :]
-        defects += [base_defects(rule, start, end, h), moved - h * velocities]
-        offsets.append(kinematics.foot_offsets(robot, start.position, start.angles, start.feet))
-        if rule != "euler":
-            between.append(_middle_offsets(scenario, start, end, h))
-        at = times[k] if layout.linear_forces else (times[k] + times[k + 1]) / 2
-        first = [task.into_frame(w[layout.force(k, leg)], at) for leg in range(layout.legs)]
-        cones.append(friction.friction_rows(task["friction"], first))
-        if layout.linear_forces and (k + 1) % layout.knots_per_phase == 0:
-            last = [task.into_frame(w[layout.end_force(k, leg)], times[k + 1]) for leg in range(layout.legs)]
-            cones.append(friction.friction_rows(task["friction"], last))
-        if scenario.tasks.varies("yaw_rate"):
-            speeds += [velocity[:-1] for velocity in _foot_velocities(layout, w, task, times, k)]
-    if objective.force_rate:
-        cost += objective.force_rate * force_rate(layout, w, task, times)
+        forces = [w[layout.force(k, leg)] for leg in range(layout.legs)]
+        velocities = [w[layout.foot_velocity(k, leg)] for leg in range(layout.legs)]
+        step = Step(nodes.start(k), nodes.end(k), (times[k], times[k + 1]), h, forces, velocities)
+        terms.append(step_terms(scenario, task, step))
+    return terms
+
+
+def _others(
+    scenario: Scenario, layout: Layout, w: ca.SX, task: TaskParameters, nodes: _Nodes, times: list[ca.SX]
+) -> _Others:
+    cones, weight = [], scenario.objective.force_rate
+    for last in range(layout.knots_per_phase - 1, layout.steps if layout.linear_forces else 0, layout.knots_per_phase):
+        forces = [task.into_frame(w[layout.end_force(last, leg)], times[last + 1]) for leg in range(layout.legs)]
+        cones.append(friction.friction_rows(task["friction"], forces))
     reaches = _reaches(scenario, layout, w, task, nodes, times) if scenario.follows_swings else []
     closing = periodicity.periodicity_rows(layout, w[layout.state(0)], w[layout.state(layout.steps)], task)
-    return cost, [*defects, *offsets, *between, *cones, *speeds, *reaches, closing, timing.cycle_row(fractions)]
+    cost = weight * force_rate(layout, w, task, times) if weight else ca.SX(0)
+    return _Others(cost, cones, [*reaches, closing, timing.cycle_row(w[layout.fractions])])
+
+
+def _nothing(like: StepTerms) -> StepTerms:
+    """Terms of these sizes that are 0."""
+    return StepTerms(ca.SX(0), *(ca.SX.zeros(group.numel()) for group in like.groups))
+
+
+def _row_places(steps: Sequence[StepTerms], layout: Layout) -> NDArray[np.intp]:
+    """The places of each step's rows among all [K, m]: numbers are put in order as the rows are."""
+    numbers = np.arange(len(steps) * sum(group.numel() for group in steps[0].groups)).reshape(len(steps), -1)
+    sizes = np.cumsum([0, *(group.numel() for group in steps[0].groups)])
+    numbered = [StepTerms(ca.SX(0), *(ca.SX(row[a:b]) for a, b in pairwise(sizes))) for row in numbers]
+    ends = 2 * (layout.dimension - 1) * layout.legs
+    cones = [ca.SX.ones(ends) * -1] * (layout.phases if layout.linear_forces else 0)
+    _, groups = _joined(numbered, _Others(ca.SX(0), cones, []))
+    order = ca.evalf(ca.vertcat(*groups)).full().ravel().astype(np.intp)
+    places = np.empty(numbers.size, dtype=np.intp)
+    places[order[order >= 0]] = np.flatnonzero(order >= 0)
+    return places.reshape(numbers.shape)
 
 
 def _reaches(
@@ -222,8 +264,9 @@ def _foot_velocities(layout: Layout, w: ca.SX, task: TaskParameters, times: list
     return [task.into_frame(w[layout.foot_velocity(step, leg)], middle) for leg in range(layout.legs)]
 
 
-def _times(layout: Layout, fractions: ca.SX, cycle: ca.SX) -> list[ca.SX]:
+def _times(layout: Layout, fractions: ca.SX, task: TaskParameters) -> list[ca.SX]:
     """Times [s] of the knots in the cycle."""
+    cycle = task["cycle_duration"]
     times, reached = [ca.SX(0)], ca.SX(0)
     for phase in range(layout.phases):
         inner = np.cumsum(layout.shares)
@@ -232,22 +275,15 @@ def _times(layout: Layout, fractions: ca.SX, cycle: ca.SX) -> list[ca.SX]:
     return times
 
 
-def _middle_offsets(scenario: Scenario, start: Node, end: Node, h: ca.SX) -> ca.SX:
-    """Foot offsets in the middle of a step, of the cubic through both ends."""
-    position = (start.position + end.position) / 2 + h / 8 * (start.velocity - end.velocity)
-    angles = (start.angles + end.angles) / 2 + h / 8 * (start.angle_rates - end.angle_rates)
-    feet = [(a + b) / 2 for a, b in zip(start.feet, end.feet, strict=True)]
-    return kinematics.foot_offsets(scenario.robot, position, angles, feet)
-
-
 def _minlp(scenario: Scenario, layout: Layout, cost_scale: float) -> ca.Function:
     contacts = layout.legs * layout.phases
     w, parameters = ca.SX.sym("w", layout.nw + contacts), ca.SX.sym("task", len(AXES))
-    cost, groups = _terms(scenario, layout, w[: layout.nw], parameters)
+    task = task_parameters(scenario.tasks, parameters)
+    nodes, times = _Nodes(layout, w, body_of(scenario.robot, task)), _times(layout, w[layout.fractions], task)
+    steps, others = (each(scenario, layout, w, task, nodes, times) for each in (_step_terms, _others))
+    cost, groups = _joined(steps, others)
     cost = cost / cost_scale + sum((e.cost(w, parameters) for e in _elements(scenario, layout, cost_scale)), ca.SX(0))
     c = ca.reshape(w[layout.nw :], layout.phases, layout.legs)
-    task = task_parameters(scenario.tasks, parameters)
-    times = _times(layout, w[layout.fractions], task["cycle_duration"])
     for k in range(layout.steps):
         forces = [w[layout.force(k, leg)] for leg in range(layout.legs)]
         u = ca.vertcat(*forces, *_foot_velocities(layout, w, task, times, k))

@@ -1,0 +1,181 @@
+"""A program's functions where its steps are copies of one: that one's code, a loop over them, and where values belong.
+
+As one expression all steps' derivatives are half a million lines of C in space, which take a compiler minutes and
+gigabytes, and a processor most of a millisecond to read. One step's fit in its cache.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import casadi
+import numpy as np
+from numpy.typing import NDArray
+
+from gaitflow.core.trajectory import Array
+
+if TYPE_CHECKING:
+    from gaitflow.problem.separable import Element, SeparableProblem
+    from gaitflow.problem.steps import Steps
+
+Indices = NDArray[np.intp]
+Places = tuple[Indices, Indices]  # rows, columns
+
+
+@dataclass(frozen=True)
+class _Values:
+    """Numbers, one a place, that are part of a result; numbers at one place are added."""
+
+    numbers: Any
+    places: Places
+    weights: Array
+
+
+@dataclass(frozen=True)
+class _Part:
+    """One term of the program, or all copies of one: its values in each of the results."""
+
+    cost: _Values
+    rows: _Values
+    gradient: _Values
+    jacobian: _Values
+    hessian: _Values
+
+
+def stepwise(problem: SeparableProblem, steps: Steps) -> dict[str, tuple[list[Any], list[Any]]]:
+    """Inputs (w, task, and the Hessian's multipliers) and results, as CasADi's MX, of the four functions by name.
+
+    `problem`: cost and rows; `gradient`, `jacobian`, `hessian`: as of `gaitflow.solvers.program.derivatives`.
+    """
+    w, task = (casadi.MX.sym(name, steps.rest.numel_in(i)) for i, name in enumerate(("w", "task")))
+    multipliers = casadi.MX.sym("multipliers", steps.rest.numel_out(1))
+    parts = [
+        _rest(steps.rest, w, task, multipliers),
+        _steps(steps, w, task, multipliers),
+        *(_element(element, w, task) for element in problem.elements),
+    ]
+    n, m = w.numel(), multipliers.numel()
+    cost, rows = _sum([part.cost for part in parts], 1, 1), _sum([part.rows for part in parts], m, 1)
+    return {
+        "problem": ([w, task], [casadi.densify(cost), casadi.densify(rows)]),
+        "gradient": ([w, task], [casadi.densify(_sum([part.gradient for part in parts], n, 1))]),
+        "jacobian": ([w, task], [_sum([part.jacobian for part in parts], m, n)]),
+        "hessian": ([w, task, multipliers], [_sum([part.hessian for part in parts], n, n)]),
+    }
+
+
+def _sum(parts: Sequence[_Values], rows: int, columns: int) -> Any:
+    """The sparse matrix of all values."""
+    flat = [part.places[1] * rows + part.places[0] for part in parts]  # column by column, as CasADi keeps them
+    known, _ = np.unique(np.concatenate(flat), return_inverse=True)
+    sparsity = casadi.Sparsity.triplet(rows, columns, (known % rows).tolist(), (known // rows).tolist())
+    total = casadi.MX.zeros(len(known))
+    for part, places in zip(parts, flat, strict=True):
+        if len(places):
+            to = np.searchsorted(known, places).tolist()
+            adding = casadi.Sparsity.triplet(len(known), len(places), to, list(range(len(places))))
+            total += casadi.DM(adding, part.weights) @ part.numbers
+    return casadi.MX(sparsity, total)
+
+
+def _rest(rest: Any, w: Any, task: Any, multipliers: Any) -> _Part:
+    symbols = [casadi.SX.sym(rest.name_in(i), rest.numel_in(i)) for i in range(2)]
+    pushes = casadi.SX.sym("multipliers", multipliers.numel())
+    functions = _derived("rest", symbols, pushes, rest(*symbols), symbols[0])
+
+    def values(name: str) -> _Values:
+        function = functions[name]
+        result = function(*[w, task, multipliers][: function.n_in()])
+        places = _triplets(result.sparsity())
+        return _Values(casadi.vec(result.nz[:]), places, np.ones(len(places[0])))
+
+    return _Part(*(values(name) for name in ("cost", "rows", "gradient", "jacobian", "hessian")))
+
+
+def _steps(steps: Steps, w: Any, task: Any, multipliers: Any) -> _Part:
+    copies = len(steps.places)
+    symbols = [casadi.SX.sym(f"in_{i}", steps.function.numel_in(i)) for i in range(3)]
+    pushes = casadi.SX.sym("multipliers", steps.rows.shape[1])
+    functions = _derived("step", symbols, pushes, steps.function(*symbols), symbols[0])
+    arguments = [_gathered(w, steps.places), casadi.MX(casadi.DM(steps.data.T)), task]
+    arguments.append(_gathered(multipliers, steps.rows))
+    nowhere = np.zeros((copies, 1), dtype=np.intp)
+
+    def values(name: str, rows: Indices, columns: Indices) -> _Values:
+        function = functions[name]
+        row, column = _triplets(function.sparsity_out(0))
+        places = _upper(rows[:, row], columns[:, column]) if name == "hessian" else (rows[:, row], columns[:, column])
+        each = function.map(f"{name}_of_steps", "serial", copies, [2], [])(*arguments[: function.n_in()])
+        return _Values(casadi.vec(each.nz[:]), (places[0].ravel(), places[1].ravel()), np.ones(places[0].size))
+
+    return _Part(
+        cost=values("cost", nowhere, nowhere),
+        rows=values("rows", steps.rows, nowhere),
+        gradient=values("gradient", steps.places, nowhere),
+        jacobian=values("jacobian", steps.rows, steps.places),
+        hessian=values("hessian", steps.places, steps.places),
+    )
+
+
+def _element(element: Element, w: Any, task: Any) -> _Part:
+    copies, n = element.places.shape
+    x, gates = _gathered(w, element.places), None if element.gates is None else w[element.gates.tolist()].T
+    symbols = [casadi.SX.sym("x", n), casadi.SX.sym("task", task.numel())]
+    slope, curvature = element.second(*symbols)
+    nowhere = np.zeros((copies, 1), dtype=np.intp)
+
+    def values(name: str, result: Any, gated: bool, rows: Indices, columns: Indices) -> _Values:
+        function, arguments = casadi.Function(f"{name}_of_element", symbols, [result], {"cse": True}), [x, task]
+        if gated and gates is not None:
+            nothing = casadi.Function("nothing", symbols, [casadi.SX(result.sparsity(), 0)])
+            function, arguments = casadi.Function.if_else(f"{name}_gated", function, nothing), [gates, *arguments]
+        row, column = _triplets(function.sparsity_out(0))
+        places = _upper(rows[:, row], columns[:, column]) if name == "hessian" else (rows[:, row], columns[:, column])
+        each = function.map(f"{name}_of_elements", "serial", copies, [len(arguments) - 1], [])(*arguments)
+        weights = np.repeat(element.weights, len(row))
+        return _Values(casadi.vec(each.nz[:]), (places[0].ravel(), places[1].ravel()), weights)
+
+    empty = np.zeros(0, dtype=np.intp)
+    nothing = _Values(casadi.MX(0, 1), (empty, empty), np.zeros(0))
+    return _Part(
+        cost=values("cost", element.value(*symbols), False, nowhere, nowhere),
+        rows=nothing,
+        gradient=values("gradient", slope, True, element.places, nowhere),
+        jacobian=nothing,
+        hessian=values("hessian", curvature, True, element.places, element.places),
+    )
+
+
+def _derived(name: str, inputs: Sequence[Any], multipliers: Any, results: Sequence[Any], x: Any) -> dict[str, Any]:
+    """Each result as a function of the inputs, the Hessian of multipliers, too."""
+    cost, rows = casadi.cse(list(results))
+    hessian, _ = casadi.hessian(cost + casadi.dot(multipliers, rows), x)
+    found = {
+        "cost": cost,
+        "rows": rows,
+        "gradient": casadi.gradient(cost, x),
+        "jacobian": casadi.jacobian(rows, x),
+        "hessian": casadi.triu(hessian),
+    }
+    return {
+        each: casadi.Function(
+            f"{each}_of_{name}", [*inputs, multipliers] if each == "hessian" else list(inputs), [result], {"cse": True}
+        )
+        for each, result in found.items()
+    }
+
+
+def _gathered(vector: Any, places: Indices) -> Any:
+    """The vector's numbers at places [copies, n], a column a copy."""
+    return casadi.reshape(vector[places.ravel().tolist()], places.shape[1], places.shape[0])
+
+
+def _triplets(sparsity: Any) -> Places:
+    row, column = (np.array(each, dtype=np.intp) for each in sparsity.get_triplet())
+    return row, column
+
+
+def _upper(rows: Indices, columns: Indices) -> Places:
+    return np.minimum(rows, columns), np.maximum(rows, columns)
