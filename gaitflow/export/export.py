@@ -23,7 +23,7 @@ READER = (
 )  # fmt: skip
 PLANNER = (
     "planner.hpp", "refine.hpp", "starts.hpp", "interior_point.hpp", "point.hpp", "kkt.hpp", "paths.hpp", "ldlt.hpp",
-    "ordering.hpp", "program.hpp",
+    "fronts.hpp", "ordering.hpp", "program.hpp",
 )  # fmt: skip
 CMAKE = "gaitflow_map-config.cmake"
 SOURCES = ("map.h", *(f"{name}{suffix}" for name in FILES for suffix in (".c", ".h")))

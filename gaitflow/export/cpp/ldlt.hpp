@@ -6,68 +6,53 @@
 #include <utility>
 #include <vector>
 
+#include "fronts.hpp"
 #include "map_data.hpp"
 #include "ordering.hpp"
 
 namespace gaitflow {
 
 // One sparsity, one order, one symbolic factorisation; however often it is factorised, no memory is taken.
+//
+// Multifrontal (Duff and Reid, 1983): fronts hold their columns of L as dense columns, and what a front leaves of later
+// unknowns waits on a stack for its parent.
 class Ldlt {
  public:
   Ldlt() = default;
 
   // places: (row, column) of entries, in either triangle and as often as one likes; entries of one place are added.
   Ldlt(std::size_t size, const std::vector<std::pair<std::size_t, std::size_t>>& places) : size_(size) {
-    std::vector<std::vector<std::size_t>> neighbours(size);
+    std::vector<Indices> neighbours(size);
     for (const auto& [row, column] : places) {
       if (row == column) continue;
       neighbours[row].push_back(column);
       neighbours[column].push_back(row);
     }
-    for (auto& each : neighbours) {
+    for (Indices& each : neighbours) {
       std::sort(each.begin(), each.end());
       each.erase(std::unique(each.begin(), each.end()), each.end());
     }
-    order_ = minimum_degree(neighbours);
-    std::vector<std::size_t> place(size);  // in the order of elimination
-    for (std::size_t k = 0; k < size; ++k) place[order_[k]] = k;
-    find_matrix(neighbours, place);
-    find_factors();
-    for (const auto& [row, column] : places) {
-      const std::size_t low = std::min(place[row], place[column]), high = std::max(place[row], place[column]);
-      const auto begin = row_of_.begin() + static_cast<std::ptrdiff_t>(starts_[high]);
-      const auto end = row_of_.begin() + static_cast<std::ptrdiff_t>(starts_[high + 1]);
-      slots_.push_back(static_cast<std::size_t>(std::lower_bound(begin, end, low) - row_of_.begin()));
-    }
-    values_.resize(row_of_.size());
-    pivots_.resize(size), inverse_.resize(size), work_.assign(size, 0.0), used_.resize(size);
+    elimination_ = eliminate(neighbours, minimum_degree(neighbours));
+    find_memory();
+    find_slots(places);
+    pivots_.resize(size), work_.assign(size, 0.0);
   }
 
-  // The value at entry k's place, to be added to; `clear` first.
-  void clear() { std::fill(values_.begin(), values_.end(), 0.0); }
-  double& at(std::size_t entry) { return values_[slots_[entry]]; }
+  // The value at entry k's place, to be added to; `clear` first, and anew for each factorisation.
+  void clear() { std::fill(factors_.begin(), factors_.end(), 0.0); }
+  double& at(std::size_t entry) { return factors_[slots_[entry]]; }
 
-  // Row by row of L. False where a pivot is zero.
+  // False where a pivot is zero.
   bool factorise() {
-    std::copy(factor_starts_.begin(), factor_starts_.end() - 1, used_.begin());
-    for (std::size_t k = 0; k < size_; ++k) {
-      for (std::size_t i = starts_[k]; i < starts_[k + 1]; ++i) work_[row_of_[i]] = values_[i];
-      double pivot = work_[k];
-      work_[k] = 0;
-      for (std::size_t i = reach_starts_[k]; i < reach_starts_[k + 1]; ++i) {
-        const std::size_t column = reach_[i], end = used_[column]++;
-        const double value = work_[column];
-        work_[column] = 0;
-        for (std::size_t j = factor_starts_[column]; j < end; ++j) work_[factor_rows_[j]] -= factors_[j] * value;
-        const double factor = value * inverse_[column];
-        pivot -= value * factor;
-        factors_[end] = factor;
-      }
-      if (pivot == 0) {
-        return false;
-      }
-      pivots_[k] = pivot;
-      inverse_[k] = 1 / pivot;
+    for (std::size_t number = 0; number < elimination_.fronts.size(); ++number) {
+      const Front& front = elimination_.fronts[number];
+      double* rest = stack_.data() + built_[number];
+      const std::size_t left = front.later.size();
+      std::fill_n(rest, left * left, 0.0);
+      for (const std::size_t child : children_[number]) add(child, front, factors_.data() + starts_[number], rest);
+      if (!eliminate_columns(front, factors_.data() + starts_[number])) return false;
+      subtract_products(front, factors_.data() + starts_[number], rest);
+      if (built_[number] != kept_[number]) std::copy_n(rest, left * left, stack_.data() + kept_[number]);
     }
     return true;
   }
@@ -81,66 +66,134 @@ class Ldlt {
 
   // The right side becomes the solution, by the last factorisation.
   void solve(Vector& right) {
-    for (std::size_t k = 0; k < size_; ++k) work_[k] = right[order_[k]];
-    for (std::size_t k = 0; k < size_; ++k)
-      for (std::size_t j = factor_starts_[k]; j < factor_starts_[k + 1]; ++j)
-        work_[factor_rows_[j]] -= factors_[j] * work_[k];
-    for (std::size_t k = size_; k-- > 0;) {
-      double value = work_[k] * inverse_[k];
-      for (std::size_t j = factor_starts_[k]; j < factor_starts_[k + 1]; ++j)
-        value -= factors_[j] * work_[factor_rows_[j]];
-      work_[k] = value;
+    const Indices& order = elimination_.order;
+    for (std::size_t k = 0; k < size_; ++k) work_[k] = right[order[k]];
+    for (std::size_t number = 0; number < elimination_.fronts.size(); ++number) {
+      const Front& front = elimination_.fronts[number];
+      const std::size_t rows = front.rows(), left = front.later.size();
+      const double* column = factors_.data() + starts_[number];
+      std::fill_n(met_.begin(), left, 0.0);
+      for (std::size_t k = 0; k < front.width; ++k, column += rows) {
+        const double value = work_[front.first + k];
+        for (std::size_t i = k + 1; i < front.width; ++i) work_[front.first + i] -= column[i] * value;
+        for (std::size_t i = 0; i < left; ++i) met_[i] += column[front.width + i] * value;
+      }
+      for (std::size_t i = 0; i < left; ++i) work_[front.later[i]] -= met_[i];
     }
-    for (std::size_t k = 0; k < size_; ++k) right[order_[k]] = work_[k], work_[k] = 0;
+    for (std::size_t k = 0; k < size_; ++k) work_[k] /= pivots_[k];
+    for (std::size_t number = elimination_.fronts.size(); number-- > 0;) {
+      const Front& front = elimination_.fronts[number];
+      const std::size_t rows = front.rows(), left = front.later.size();
+      for (std::size_t i = 0; i < left; ++i) met_[i] = work_[front.later[i]];
+      for (std::size_t k = front.width; k-- > 0;) {
+        const double* column = factors_.data() + starts_[number] + k * rows;
+        double value = work_[front.first + k];
+        for (std::size_t i = k + 1; i < front.width; ++i) value -= column[i] * work_[front.first + i];
+        for (std::size_t i = 0; i < left; ++i) value -= column[front.width + i] * met_[i];
+        work_[front.first + k] = value;
+      }
+    }
+    for (std::size_t k = 0; k < size_; ++k) right[order[k]] = work_[k];
   }
 
   std::size_t size() const { return size_; }
   std::size_t factor_entries() const { return factors_.size(); }
 
  private:
-  // The matrix's upper triangle in the order of elimination, column by column, each with its diagonal.
-  void find_matrix(const std::vector<std::vector<std::size_t>>& neighbours, const std::vector<std::size_t>& place) {
-    starts_.push_back(0);
-    for (std::size_t k = 0; k < size_; ++k) {
-      for (const std::size_t other : neighbours[order_[k]])
-        if (place[other] < k) row_of_.push_back(place[other]);
-      row_of_.push_back(k);
-      std::sort(row_of_.begin() + static_cast<std::ptrdiff_t>(starts_.back()), row_of_.end());
-      starts_.push_back(row_of_.size());
+  // Where each front's columns are, and on the stack what it leaves: while it is built, and until its parent takes it.
+  void find_memory() {
+    const std::vector<Front>& fronts = elimination_.fronts;
+    children_.resize(fronts.size());
+    std::size_t entries = 0, top = 0, highest = 0, widest = 0, most = 0;
+    for (std::size_t number = 0; number < fronts.size(); ++number) {
+      const Front& front = fronts[number];
+      const std::size_t left = front.later.size();
+      if (front.parent < fronts.size()) children_[front.parent].push_back(number);
+      starts_.push_back(entries);
+      entries += front.rows() * front.width;
+      built_.push_back(top);
+      highest = std::max(highest, top + left * left);
+      kept_.push_back(children_[number].empty() ? top : kept_[children_[number].front()]);
+      top = kept_.back() + left * left;
+      widest = std::max(widest, front.width), most = std::max(most, left);
+    }
+    factors_.resize(entries), stack_.resize(highest);
+    scaled_.resize(widest * most), met_.resize(most);
+  }
+
+  void find_slots(const std::vector<std::pair<std::size_t, std::size_t>>& places) {
+    Indices place(size_), front_of(size_);
+    for (std::size_t k = 0; k < size_; ++k) place[elimination_.order[k]] = k;
+    for (std::size_t number = 0; number < elimination_.fronts.size(); ++number) {
+      const Front& front = elimination_.fronts[number];
+      std::fill_n(front_of.begin() + static_cast<std::ptrdiff_t>(front.first), front.width, number);
+    }
+    for (const auto& [row, column] : places) {
+      const std::size_t low = std::min(place[row], place[column]), high = std::max(place[row], place[column]);
+      const Front& front = elimination_.fronts[front_of[low]];
+      const auto later = std::lower_bound(front.later.begin(), front.later.end(), high) - front.later.begin();
+      const std::size_t at =
+          high < front.first + front.width ? high - front.first : front.width + static_cast<std::size_t>(later);
+      slots_.push_back(starts_[front_of[low]] + (low - front.first) * front.rows() + at);
     }
   }
 
-  // Where L has entries: row k in the columns on the paths from its entries up the elimination tree to k.
-  void find_factors() {
-    std::vector<std::size_t> parent(size_, size_), seen(size_, size_), count(size_, 0);
-    reach_starts_.push_back(0);
-    for (std::size_t k = 0; k < size_; ++k) {
-      seen[k] = k;
-      for (std::size_t i = starts_[k]; i < starts_[k + 1]; ++i)
-        for (std::size_t at = row_of_[i]; seen[at] != k; at = parent[at]) {
-          if (parent[at] == size_) parent[at] = k;
-          seen[at] = k;
-          ++count[at];
-          reach_.push_back(at);
-        }
-      std::sort(reach_.begin() + static_cast<std::ptrdiff_t>(reach_starts_.back()), reach_.end());
-      reach_starts_.push_back(reach_.size());
+  // What a child left, into its parent's columns and into what that one leaves.
+  void add(std::size_t child, const Front& parent, double* columns, double* rest) const {
+    const Indices& to = elimination_.fronts[child].in_parent;
+    const std::size_t count = to.size(), rows = parent.rows(), left = parent.later.size();
+    const double* from = stack_.data() + kept_[child];
+    for (std::size_t j = 0; j < count; ++j, from += count) {
+      double* target = to[j] < parent.width ? columns + to[j] * rows : rest + (to[j] - parent.width) * left - parent.width;
+      for (std::size_t i = j; i < count; ++i) target[to[i]] += from[i];
     }
-    factor_starts_.push_back(0);
-    for (const std::size_t each : count) factor_starts_.push_back(factor_starts_.back() + each);
-    factor_rows_.resize(reach_.size());
-    factors_.resize(reach_.size());
-    std::vector<std::size_t> used(factor_starts_.begin(), factor_starts_.end() - 1);
-    for (std::size_t k = 0; k < size_; ++k)
-      for (std::size_t i = reach_starts_[k]; i < reach_starts_[k + 1]; ++i) factor_rows_[used[reach_[i]]++] = k;
+  }
+
+  // A front's columns of L, and its pivots.
+  bool eliminate_columns(const Front& front, double* columns) {
+    const std::size_t rows = front.rows();
+    for (std::size_t k = 0; k < front.width; ++k) {
+      double* column = columns + k * rows;
+      const double pivot = pivots_[front.first + k] = column[k];
+      if (pivot == 0) return false;
+      for (std::size_t j = k + 1; j < front.width; ++j) {
+        const double factor = column[j] / pivot;
+        double* other = columns + j * rows;
+        for (std::size_t i = j; i < rows; ++i) other[i] -= column[i] * factor;
+      }
+      for (std::size_t i = k + 1; i < rows; ++i) column[i] /= pivot;
+    }
+    return true;
+  }
+
+  // rest [left, left] -= L D L^T of the rows of later unknowns, its lower triangle; by four columns of L at once.
+  void subtract_products(const Front& front, const double* columns, double* rest) {
+    const std::size_t rows = front.rows(), left = front.later.size(), width = front.width;
+    for (std::size_t j = 0; j < left; ++j)
+      for (std::size_t k = 0; k < width; ++k)
+        scaled_[j * width + k] = columns[k * rows + width + j] * pivots_[front.first + k];
+    for (std::size_t j = 0; j < left; ++j) {
+      double* target = rest + j * left;
+      const double* factor = scaled_.data() + j * width;
+      std::size_t k = 0;
+      for (; k + 4 <= width; k += 4) {
+        const double *a = columns + k * rows + width, *b = a + rows, *c = b + rows, *d = c + rows;
+        const double fa = factor[k], fb = factor[k + 1], fc = factor[k + 2], fd = factor[k + 3];
+        for (std::size_t i = j; i < left; ++i) target[i] -= a[i] * fa + b[i] * fb + c[i] * fc + d[i] * fd;
+      }
+      for (; k < width; ++k) {
+        const double* a = columns + k * rows + width;
+        for (std::size_t i = j; i < left; ++i) target[i] -= a[i] * factor[k];
+      }
+    }
   }
 
   std::size_t size_ = 0;
-  std::vector<std::size_t> order_;                              // which unknown comes k-th
-  std::vector<std::size_t> starts_, row_of_, slots_;            // the matrix, and where its entries are added
-  std::vector<std::size_t> reach_starts_, reach_;               // columns of L with an entry in row k, rising
-  std::vector<std::size_t> factor_starts_, factor_rows_, used_; // rows of L's entries, column by column
-  Vector values_, factors_, pivots_, inverse_, work_;
+  Elimination elimination_;
+  std::vector<Indices> children_;     // of each front
+  Indices starts_, built_, kept_;     // of each front: its columns in factors_, what it leaves on the stack
+  Indices slots_;                     // where the matrix's entries are added, in factors_
+  Vector factors_, stack_, pivots_, work_, scaled_, met_;
 };
 
 }  // namespace gaitflow
