@@ -10,7 +10,7 @@ from typing import Any
 
 import casadi
 
-from gaitflow.export.stepwise import stepwise
+from gaitflow.export.piecewise import piecewise
 from gaitflow.problem import SeparableProblem
 from gaitflow.solvers.program import derivatives
 
@@ -40,7 +40,7 @@ def identifier(scenario: str) -> str:
 
 def _functions(problem: SeparableProblem, prefix: str) -> dict[str, Any]:
     """By name: the functions of (w, task), the Hessian's of (w, task, multipliers)."""
-    found = _in_one_piece(problem) if problem.steps is None else stepwise(problem, problem.steps)
+    found = _in_one_piece(problem) if problem.pieces is None else piecewise(problem, problem.pieces)
     inputs, outputs = ("w", "task", "multipliers"), {name: (name,) for name in found} | {"problem": ("cost", "rows")}
     return {
         name: casadi.Function(f"{prefix}_{name}", *each, inputs[: len(each[0])], outputs[name])

@@ -18,18 +18,18 @@ STRETCH = 0.96  # of thigh and shank together: a knee that is bent by 32 degrees
 PARTS = (0.1, 0.15, 0.2)  # of a swing after its start and before its end: where a leg is at its longest
 
 
-def reach_rows(limb: Limb, node: Node, leg: int, way: ca.SX, swing: ca.SX, side: ca.SX, apex: float) -> ca.SX:
+def reach_rows(limb: Limb, node: Node, foot: ca.SX, way: ca.SX, swing: ca.SX, side: ca.SX, apex: float) -> ca.SX:
     """How much longer a leg is than STRETCH allows at PARTS of a swing [parts], over that; asks for <= 0.
 
-    node: where the foot lifts off (side 1) or touches down (side -1). The body goes on, or came, at its velocity there;
-    the foot goes a cycle's way [3] m in `swing` [s], up to `apex` [m] and down.
+    node: where the foot [3] m lifts off (side 1) or touches down (side -1). The body goes on, or came, at its velocity
+    there; the foot goes a cycle's way [3] m in `swing` [s], up to `apex` [m] and down.
     """
     into_base = world_to_base(node.angles)
     rows = []
     for part in PARTS:
         moved = side * (way * _minimum_jerk(part) - node.velocity * (part * swing))
-        foot = node.feet[leg] + moved + ca.DM([0.0, 0.0, apex * _minimum_jerk(2 * part)])
-        rows.append(LegPose(limb, into_base @ (foot - node.position)).length / STRETCH - 1)
+        followed = foot + moved + ca.DM([0.0, 0.0, apex * _minimum_jerk(2 * part)])
+        rows.append(LegPose(limb, into_base @ (followed - node.position)).length / STRETCH - 1)
     return ca.vertcat(*rows)
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from gaitflow.core.task import AXES
 from gaitflow.core.trajectory import Array
-from gaitflow.problem.steps import Steps
+from gaitflow.problem.copies import Pieces
 
 Expression = Callable[[ca.SX, ca.SX], ca.SX]  # of variables and task [axes]
 
@@ -84,12 +84,12 @@ def _derived(step: Expression, point: ca.SX, task: ca.SX, pull: ca.SX) -> tuple[
 class SeparableProblem:
     """A nonlinear program (w [nw], task [axes]) -> (cost [1], rows [ng]): `rest`, and the costs of elements.
 
-    steps: what `rest` is made of, where that is known.
+    pieces: what `rest` is made of, where that is known.
     """
 
     rest: ca.Function
     elements: tuple[Element, ...] = ()
-    steps: Steps | None = None
+    pieces: Pieces | None = None
 
     @cached_property
     def function(self) -> ca.Function:

@@ -1,7 +1,6 @@
-"""The terms of one step, and all steps as copies of one function.
+"""The terms of one step, as the same function of a few variables for all steps of a motion.
 
-Every step of a motion is the same function of a few variables: the states at its ends, its forces and foot velocities,
-and the phase durations. Derived once and evaluated for each step, its code is a fortieth of that of all steps.
+These are the states at its ends, its forces and foot velocities, and the phase durations.
 """
 
 from __future__ import annotations
@@ -60,20 +59,10 @@ class StepTerms:
         """The rows."""
         return self.defects, self.offsets, self.between, self.cones, self.speeds
 
-
-@dataclass(frozen=True, eq=False)
-class Steps:
-    """All steps: function is (x [n], data [c], task [axes]) -> (cost [1], rows [m]) of one of them.
-
-    places [K, n] of w and data [K, c] are its arguments, rows [K, m] the places of its rows; `rest`: (w [nw], task) ->
-    (cost [1], rows [ng]) is what the problem has besides, with rows of 0 where the steps have theirs.
-    """
-
-    function: ca.Function
-    places: NDArray[np.intp]
-    data: Array
-    rows: NDArray[np.intp]
-    rest: ca.Function
+    @property
+    def zeros(self) -> StepTerms:
+        """Terms of these sizes that are 0."""
+        return StepTerms(ca.SX(0), *(ca.SX.zeros(group.numel()) for group in self.groups))
 
 
 def step_terms(scenario: Scenario, task: TaskParameters, step: Step) -> StepTerms:
@@ -95,7 +84,7 @@ def step_terms(scenario: Scenario, task: TaskParameters, step: Step) -> StepTerm
 
 
 def one_step(scenario: Scenario, layout: Layout, scale: float) -> tuple[ca.Function, NDArray[np.intp], Array]:
-    """`function`, its cost over `scale`, with `places` and `data` of `Steps`."""
+    """`function`, its cost over `scale`, with `places` and `data` of `Copies`."""
     half, phases = layout.legs * layout.dimension, layout.phases
     sizes = [layout.nx, layout.nx, half, half if layout.linear_forces else 0, half, 1, phases - 1]
     x, task = ca.SX.sym("x", sum(sizes)), ca.SX.sym("task", len(AXES))

@@ -7,7 +7,7 @@ through big-M rows. Both are in scaled variables (see `layout`); a stored cost i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -21,12 +21,13 @@ from gaitflow.core.layout import Layout
 from gaitflow.core.task import AXES
 from gaitflow.problem import contact, friction, periodicity, timing
 from gaitflow.problem.bounds import Bounds, constant_rows, physical_bounds
+from gaitflow.problem.copies import Copies, Pieces
 from gaitflow.problem.dynamics import Body, Node, body_of, node
 from gaitflow.problem.energy_elements import energy_elements
 from gaitflow.problem.force_rate import force_rate
-from gaitflow.problem.reach import reach_rows
+from gaitflow.problem.reaches import leg_reach, reach_copies
 from gaitflow.problem.separable import Element, SeparableProblem
-from gaitflow.problem.steps import Step, Steps, StepTerms, one_step, step_terms
+from gaitflow.problem.steps import Step, StepTerms, one_step, step_terms
 from gaitflow.problem.task import TaskParameters, task_parameters
 
 
@@ -118,17 +119,20 @@ def transcribe(scenario: Scenario) -> GaitProblem:
     w, parameters = ca.SX.sym("w", layout.nw), ca.SX.sym("task", len(AXES))
     task = task_parameters(scenario.tasks, parameters)
     nodes, times = _Nodes(layout, w, body_of(scenario.robot, task)), _times(layout, w[layout.fractions], task)
+    steps, others = (each(scenario, layout, w, task, nodes, times) for each in (_step_terms, _others))
 
-    def program(name: str, steps: Sequence[StepTerms]) -> ca.Function:
-        cost, groups = _joined(steps, _others(scenario, layout, w, task, nodes, times))
+    def program(name: str, steps: Sequence[StepTerms], others: _Others) -> ca.Function:
+        cost, groups = _joined(steps, others)
         return ca.Function(name, [w, parameters], [cost / scale, ca.vertcat(*groups)], ["w", "task"], ["cost", "rows"])
 
-    terms = _step_terms(scenario, layout, w, task, nodes, times)
-    function, places, data = one_step(scenario, layout, scale)
-    rest = program("rest", [_nothing(terms[0])] * len(terms))
-    steps = Steps(function, places, data, _row_places(terms, layout), rest)
-    separable = SeparableProblem(program("nlp", terms), _elements(scenario, layout, scale), steps)
-    return GaitProblem(scenario, layout, separable, scale)
+    nlp = program("nlp", steps, others)
+    rest = program("rest", [steps[0].zeros] * len(steps), replace(others, reaches=list(map(_zeros, others.reaches))))
+    first_reach = nlp.numel_out(1) - sum(row.numel() for row in (*others.reaches, *others.rows))
+    copies = [Copies(*one_step(scenario, layout, scale), _row_places(steps, layout))]
+    if others.reaches:
+        copies += reach_copies(scenario, layout, first_reach)
+    pieces = Pieces(tuple(copies), rest)
+    return GaitProblem(scenario, layout, SeparableProblem(nlp, _elements(scenario, layout, scale), pieces), scale)
 
 
 def _elements(scenario: Scenario, layout: Layout, scale: float) -> tuple[Element, ...]:
@@ -178,10 +182,11 @@ class _Nodes:
 
 @dataclass(frozen=True, eq=False)
 class _Others:
-    """What is not of a step: cost, unscaled, the cones of end forces by phase, and the rows behind those of steps."""
+    """What is not of a step: cost, unscaled, the cones of end forces by phase, the legs' reaches, and the last rows."""
 
     cost: ca.SX
     cones: list[ca.SX]
+    reaches: list[ca.SX]
     rows: list[ca.SX]
 
 
@@ -193,7 +198,7 @@ def _joined(steps: Sequence[StepTerms], others: _Others) -> tuple[ca.SX, list[ca
         cones.insert((phase + 1) * len(steps) // len(others.cones), others.cones[phase])
     groups = [[getattr(step, name) for step in steps] for name in ("defects", "offsets", "between")]
     speeds = [step.speeds for step in steps]
-    return cost, [*(each for group in groups for each in group), *cones, *speeds, *others.rows]
+    return cost, [*(each for group in groups for each in group), *cones, *speeds, *others.reaches, *others.rows]
 
 
 def _step_terms(
@@ -220,12 +225,11 @@ def _others(
     reaches = _reaches(scenario, layout, w, task, nodes, times) if scenario.follows_swings else []
     closing = periodicity.periodicity_rows(layout, w[layout.state(0)], w[layout.state(layout.steps)], task)
     cost = weight * force_rate(layout, w, task, times) if weight else ca.SX(0)
-    return _Others(cost, cones, [*reaches, closing, timing.cycle_row(w[layout.fractions])])
+    return _Others(cost, cones, reaches, [closing, timing.cycle_row(w[layout.fractions])])
 
 
-def _nothing(like: StepTerms) -> StepTerms:
-    """Terms of these sizes that are 0."""
-    return StepTerms(ca.SX(0), *(ca.SX.zeros(group.numel()) for group in like.groups))
+def _zeros(rows: ca.SX) -> ca.SX:
+    return ca.SX.zeros(rows.numel())
 
 
 def _row_places(steps: Sequence[StepTerms], layout: Layout) -> NDArray[np.intp]:
@@ -235,7 +239,7 @@ def _row_places(steps: Sequence[StepTerms], layout: Layout) -> NDArray[np.intp]:
     numbered = [StepTerms(ca.SX(0), *(ca.SX(row[a:b]) for a, b in pairwise(sizes))) for row in numbers]
     ends = 2 * (layout.dimension - 1) * layout.legs
     cones = [ca.SX.ones(ends) * -1] * (layout.phases if layout.linear_forces else 0)
-    _, groups = _joined(numbered, _Others(ca.SX(0), cones, []))
+    _, groups = _joined(numbered, _Others(ca.SX(0), cones, [], []))
     order = ca.evalf(ca.vertcat(*groups)).full().ravel().astype(np.intp)
     places = np.empty(numbers.size, dtype=np.intp)
     places[order[order >= 0]] = np.flatnonzero(order >= 0)
@@ -247,14 +251,13 @@ def _reaches(
 ) -> list[ca.SX]:
     """The reach of every leg at the end of every phase; a row means something where the leg's contact changes."""
     rows = []
-    for leg, (limb, own) in enumerate(zip(scenario.robot.limbs or (), scenario.robot.legs, strict=True)):
+    for leg in range(layout.legs):
         contacts = w[layout.contacts(leg)]
-        swing = task["cycle_duration"] * ca.dot(w[layout.fractions], 1 - contacts)
+        around = ca.vertcat(w[layout.fractions], contacts)
         for phase in range(layout.phases):
             last = (phase + 1) * layout.knots_per_phase - 1
-            way = task.out_of_frame(task.passing(own.default_foot), times[last + 1]) * task["cycle_duration"]
-            side = contacts[phase] - contacts[(phase + 1) % layout.phases]
-            rows.append(reach_rows(limb, nodes.end(last), leg, way, swing, side, scenario.swing_clearance))
+            side, end = contacts[phase] - contacts[(phase + 1) % layout.phases], nodes.end(last)
+            rows.append(leg_reach(scenario, task, leg, end, end.feet[leg], times[last + 1], around, side))
     return rows
 
 

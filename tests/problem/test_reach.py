@@ -59,7 +59,7 @@ def test_rows_are_the_curve_against_a_body_that_goes_on(walking: Scenario, side:
     body = Body(ca.SX(30.0), ca.DM.eye(3), ca.SX(ca.DM([0.0, 0.0, -9.81])))
     node = node_of(body, x, np.zeros((4, 3)))
     for leg, limb in enumerate(robot.limbs or ()):
-        rows = reach.reach_rows(limb, node, leg, ca.SX(ca.DM(way)), ca.SX(duration), ca.SX(side), APEX)
+        rows = reach.reach_rows(limb, node, node.feet[leg], ca.SX(ca.DM(way)), ca.SX(duration), ca.SX(side), APEX)
         foot = x[12:].reshape(4, 3)[leg]
         lifted, landed = (foot, foot + way) if side == 1 else (foot - way, foot)
         at = parts if side == 1 else 1 - parts

@@ -1,4 +1,4 @@
-"""A program's functions where its steps are copies of one: that one's code, a loop over them, and where values belong.
+"""A program's functions where its terms are copies of a few: their code, loops over them, and where values belong.
 
 As one expression all steps' derivatives are half a million lines of C in space, which take a compiler minutes and
 gigabytes, and a processor most of a millisecond to read. One step's fit in its cache.
@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from gaitflow.core.trajectory import Array
 
 if TYPE_CHECKING:
+    from gaitflow.problem.copies import Copies, Pieces
     from gaitflow.problem.separable import Element, SeparableProblem
-    from gaitflow.problem.steps import Steps
 
 Indices = NDArray[np.intp]
 Places = tuple[Indices, Indices]  # rows, columns
@@ -44,16 +44,16 @@ class _Part:
     hessian: _Values
 
 
-def stepwise(problem: SeparableProblem, steps: Steps) -> dict[str, tuple[list[Any], list[Any]]]:
+def piecewise(problem: SeparableProblem, pieces: Pieces) -> dict[str, tuple[list[Any], list[Any]]]:
     """Inputs (w, task, and the Hessian's multipliers) and results, as CasADi's MX, of the four functions by name.
 
     `problem`: cost and rows; `gradient`, `jacobian`, `hessian`: as of `gaitflow.solvers.program.derivatives`.
     """
-    w, task = (casadi.MX.sym(name, steps.rest.numel_in(i)) for i, name in enumerate(("w", "task")))
-    multipliers = casadi.MX.sym("multipliers", steps.rest.numel_out(1))
+    w, task = (casadi.MX.sym(name, pieces.rest.numel_in(i)) for i, name in enumerate(("w", "task")))
+    multipliers = casadi.MX.sym("multipliers", pieces.rest.numel_out(1))
     parts = [
-        _rest(steps.rest, w, task, multipliers),
-        _steps(steps, w, task, multipliers),
+        _rest(pieces.rest, w, task, multipliers),
+        *(_copies(copies, w, task, multipliers) for copies in pieces.copies),
         *(_element(element, w, task) for element in problem.elements),
     ]
     n, m = w.numel(), multipliers.numel()
@@ -94,28 +94,28 @@ def _rest(rest: Any, w: Any, task: Any, multipliers: Any) -> _Part:
     return _Part(*(values(name) for name in ("cost", "rows", "gradient", "jacobian", "hessian")))
 
 
-def _steps(steps: Steps, w: Any, task: Any, multipliers: Any) -> _Part:
-    copies = len(steps.places)
-    symbols = [casadi.SX.sym(f"in_{i}", steps.function.numel_in(i)) for i in range(3)]
-    pushes = casadi.SX.sym("multipliers", steps.rows.shape[1])
-    functions = _derived("step", symbols, pushes, steps.function(*symbols), symbols[0])
-    arguments = [_gathered(w, steps.places), casadi.MX(casadi.DM(steps.data.T)), task]
-    arguments.append(_gathered(multipliers, steps.rows))
-    nowhere = np.zeros((copies, 1), dtype=np.intp)
+def _copies(copies: Copies, w: Any, task: Any, multipliers: Any) -> _Part:
+    count = len(copies.places)
+    symbols = [casadi.SX.sym(f"in_{i}", copies.function.numel_in(i)) for i in range(3)]
+    pushes = casadi.SX.sym("multipliers", copies.rows.shape[1])
+    functions = _derived("copy", symbols, pushes, copies.function(*symbols), symbols[0])
+    arguments = [_gathered(w, copies.places), casadi.MX(casadi.DM(copies.data.T)), task]
+    arguments.append(_gathered(multipliers, copies.rows))
+    nowhere = np.zeros((count, 1), dtype=np.intp)
 
     def values(name: str, rows: Indices, columns: Indices) -> _Values:
         function = functions[name]
         row, column = _triplets(function.sparsity_out(0))
         places = _upper(rows[:, row], columns[:, column]) if name == "hessian" else (rows[:, row], columns[:, column])
-        each = function.map(f"{name}_of_steps", "serial", copies, [2], [])(*arguments[: function.n_in()])
+        each = function.map(f"{name}_of_copies", "serial", count, [2], [])(*arguments[: function.n_in()])
         return _Values(casadi.vec(each.nz[:]), (places[0].ravel(), places[1].ravel()), np.ones(places[0].size))
 
     return _Part(
         cost=values("cost", nowhere, nowhere),
-        rows=values("rows", steps.rows, nowhere),
-        gradient=values("gradient", steps.places, nowhere),
-        jacobian=values("jacobian", steps.rows, steps.places),
-        hessian=values("hessian", steps.places, steps.places),
+        rows=values("rows", copies.rows, nowhere),
+        gradient=values("gradient", copies.places, nowhere),
+        jacobian=values("jacobian", copies.rows, copies.places),
+        hessian=values("hessian", copies.places, copies.places),
     )
 
 

@@ -1,4 +1,4 @@
-"""The functions of steps as copies of one are those of the program derived in one piece."""
+"""The functions of a program in pieces are those of the program derived in one piece."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from gaitflow.config.scenario import Scenario, load_scenario
-from gaitflow.export.stepwise import stepwise
+from gaitflow.export.piecewise import piecewise
 from gaitflow.problem import transcribe
 from gaitflow.solvers.program import derivatives
 
@@ -37,14 +37,14 @@ def coarse(checkout: Path, name: str, axes: dict[str, Any]) -> Scenario:
 )  # fmt: skip
 def test_the_functions_are_those_of_the_program_in_one_piece(checkout: Path, name: str, axes: dict[str, Any]) -> None:
     problem = transcribe(coarse(checkout, name, axes))
-    assert problem.separable.steps is not None
+    assert problem.separable.pieces is not None
     random, reference = np.random.default_rng(0), derivatives(problem.separable)
     w, task, multipliers = (random.uniform(0.1, 0.9, reference.numel_in(i)) for i in range(3))
     contacts = problem.layout.fractions.stop
     w[contacts:] = random.integers(0, 2, len(w) - contacts)
     functions = {
         each: casadi.Function(each, *arrays)
-        for each, arrays in stepwise(problem.separable, problem.separable.steps).items()
+        for each, arrays in piecewise(problem.separable, problem.separable.pieces).items()
     }
     found = [
         *functions["problem"](w, task),
