@@ -48,6 +48,7 @@ class Objective(Config):
     force_rate: Weight = 0.0  # squared rates of contact forces, jumps between phases as ramps of 20 ms [N^2/s]
     joint_heat: Weight = 0.0  # sum of squared joint torques, 3D only [N^2 m^2 s]; a weight in W / (N m)^2 makes it J
     joint_work: Weight = 0.0  # sum of the joints' positive power, 3D only [J]
+    swing_reaction: Weight = 0.0  # squared torque of all swinging legs' hips on the base, of energy only [N^2 m^2 s]
 
     @model_validator(mode="after")
     def _not_empty(self) -> Objective:
@@ -62,10 +63,10 @@ class Objective(Config):
 
     @model_serializer(mode="wrap")
     def _without_unused(self, data: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Objectives without energy or force rate are the same data as before there was any."""
+        """Objectives without energy, force rate or swing reaction are the same data as before there was any."""
         found: dict[str, Any] = data(self)
         unused = set() if self.energy else {"joint_heat", "joint_work"}
-        unused |= set() if self.force_rate else {"force_rate"}
+        unused |= {name for name in ("force_rate", "swing_reaction") if not found[name]}
         return {key: value for key, value in found.items() if key not in unused}
 
 
@@ -179,6 +180,11 @@ class Scenario(Config):
             raise ValueError(
                 f"objective.force_rate = {self.objective.force_rate:g}: held forces have no rate; it needs "
                 "transcription.forces = linear"
+            )
+        if self.objective.swing_reaction and not self.objective.energy:
+            raise ValueError(
+                f"objective.swing_reaction = {self.objective.swing_reaction:g}: goes with energy; give "
+                "joint_heat or joint_work as well, or leave it out"
             )
         if self.objective.energy:
             self._has_joints()

@@ -17,6 +17,7 @@ import numpy as np
 from gaitflow.core.force_rate import force_rate
 from gaitflow.core.joints import Joints
 from gaitflow.core.rigid_body import Attitude, RigidBody, moment
+from gaitflow.core.swing_reaction import swing_reaction
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array, Trajectory
 
@@ -45,6 +46,8 @@ def cost(scenario: Mapping[str, Any], trajectory: Trajectory, task: Task, patter
         integrands += _watts(joints, motion.body, seen)
         swinging = np.array([[digit == "0" for digit in row] for row in pattern.split("/")])
         swings = joints.swings(task, swinging @ trajectory.durations, float(scenario.get("swing_clearance", 0.0)))
+        if reaction := float(scenario["objective"].get("swing_reaction", 0.0)):
+            swings += reaction * swing_reaction(joints, task, trajectory.durations, pattern)
     rates = float(scenario["objective"].get("force_rate", 0.0)) * force_rate(trajectory, motion.h, task)
     return float(weights @ integrands @ motion.h) + swings + rates
 

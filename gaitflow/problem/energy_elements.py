@@ -1,4 +1,4 @@
-"""J4 as elements of the cost: each leg at each knot of a stance, and each leg's swing."""
+"""J4 as elements of the cost: each leg at each knot of a stance, each leg's swing, and what all swings do together."""
 
 from __future__ import annotations
 
@@ -12,16 +12,21 @@ from gaitflow.core.layout import Layout
 from gaitflow.problem.energy import JointCost
 from gaitflow.problem.orientation import world_to_base
 from gaitflow.problem.separable import Element
+from gaitflow.problem.swing_reaction import SwingReaction
 from gaitflow.problem.task import task_parameters
 
 
 def energy_elements(scenario: Scenario, layout: Layout, scale: float) -> tuple[Element, ...]:
-    """The joints' part of the cost over `scale`: standing legs by the trapezoidal rule, and a swing a leg."""
+    """The joints' part of the cost over `scale`.
+
+    Standing legs by the trapezoidal rule, a swing a leg, and where it has a weight what all swings do to the base.
+    """
     joints = JointCost(scenario.robot, scenario.objective)
     legs = range(layout.legs)
     return (
         *(_standing(scenario, layout, joints, leg, scale) for leg in legs),
         *(_swing(scenario, layout, joints, leg, scale) for leg in legs),
+        *([_reaction(scenario, layout, scale)] if scenario.objective.swing_reaction else []),
     )
 
 
@@ -84,6 +89,20 @@ def _swing(scenario: Scenario, layout: Layout, joints: JointCost, leg: int, scal
 
     places = np.array([[*_range(layout.fractions), *_range(layout.contacts(leg))]])
     return Element.chained((duration, cost), places, np.array([1 / scale]))
+
+
+def _reaction(scenario: Scenario, layout: Layout, scale: float) -> Element:
+    """Of all swings: x is the phases' fractions, then in which of them each leg stands."""
+    reaction = SwingReaction(scenario.robot)
+
+    def integral(x: ca.SX, parameters: ca.SX) -> ca.SX:
+        task = task_parameters(scenario.tasks, parameters)
+        fractions, *contacts = ca.vertsplit(x, layout.phases)
+        return reaction.integral(task, task["cycle_duration"] * fractions, contacts)
+
+    contacts = [place for leg in range(layout.legs) for place in _range(layout.contacts(leg))]
+    places = np.array([[*_range(layout.fractions), *contacts]])
+    return Element.chained((integral,), places, np.array([scenario.objective.swing_reaction / scale]))
 
 
 def _range(places: slice) -> range:

@@ -144,6 +144,7 @@ def _cost_scale(scenario: Scenario, layout: Layout) -> float:
     weights = scenario.objective.as_data()
     force = (weights.pop("force") + weights.pop("force_rate", 0.0)) * layout.weight**2
     heat, work = weights.pop("joint_heat", 0.0), weights.pop("joint_work", 0.0)
+    weights.pop("swing_reaction", 0.0)  # goes with joint_heat, and is as large
     lever = max(-leg.default_foot[-1] for leg in scenario.robot.legs)
     return max(force, heat * (layout.weight * lever) ** 2, work * layout.weight * lever, *weights.values())
 
