@@ -11,7 +11,7 @@
 namespace gaitflow {
 
 // Always the unknown with the fewest neighbours next, of equal ones the first; its neighbours become each other's.
-// neighbours[i]: rising, without i. Some milliseconds for a gait's matrix, once.
+// neighbours[i]: rising, without i. Some milliseconds for a gait's matrix in the plane, a tenth of a second in space.
 inline std::vector<std::size_t> minimum_degree(std::vector<std::vector<std::size_t>> neighbours) {
   std::set<std::pair<std::size_t, std::size_t>> waiting;
   for (std::size_t i = 0; i < neighbours.size(); ++i) waiting.emplace(neighbours[i].size(), i);

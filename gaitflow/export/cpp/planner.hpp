@@ -46,8 +46,8 @@ struct Plan {
   Trajectory motion;  // SI units
 };
 
-// For one thread; planners of one map share it. Making one takes memory and some milliseconds a gait, a plan takes none
-// but for its own and its starts'.
+// For one thread; planners of one map share it. Making one takes memory and, in space, a tenth of a second a gait; a
+// plan takes none but for its own and its starts'.
 class Planner {
  public:
   // Throws std::runtime_error where the functions are not those of the map, which has to live as long.
