@@ -37,7 +37,7 @@ from gaitflow.solvers.point import GaitSpace
 
 SUPPORT = 0.7  # of a cost that is believed: the nodes' centre is at most 0.45 steps off
 DOUBT = 0.25  # of the spread of the nodes' promises: a cost is seldom further below its prediction
-LARGEST_LOG = 700.0  # of a cost, so that its exponential is a number
+LARGEST_LOG = 200.0  # of a cost, so that it and its products with stored numbers are finite
 
 
 @dataclass(frozen=True, eq=False)

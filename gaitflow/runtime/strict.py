@@ -10,6 +10,8 @@ from typing import Any, NoReturn
 
 from gaitflow.core.errors import ArtifactError
 
+LARGEST = 1e15  # of a stored number: far above what maps hold, and products of several are still finite
+
 
 class Fields:
     """One JSON object of which each field is read once by its type; `where` is what errors call it.
@@ -30,6 +32,10 @@ class Fields:
     def refuse(self, name: str, allowed: str) -> NoReturn:
         """Raise the error of a field that is not what is `allowed`."""
         raise ArtifactError(f"{self._where}.{name} = {short(self._data[name])}: must be {allowed}")
+
+    def refuse_inner(self, name: str, fault: str) -> NoReturn:
+        """Raise the error of what lies deeper in a field, `fault` being its place, its value and what it must be."""
+        raise ArtifactError(f"{self._where}.{name}.{fault}; copy the artifact again or publish a new version")
 
     def text(self, name: str, longest: int = 200) -> str:
         """A string of 1 to `longest` characters."""
@@ -53,10 +59,10 @@ class Fields:
         return value
 
     def positive(self, name: str) -> float:
-        """A finite number above 0."""
+        """A number above 0, at most LARGEST."""
         value = self._data[name]
-        if not is_number(value) or value <= 0:
-            self.refuse(name, "a finite number above 0")
+        if not is_number(value) or not 0 < value <= LARGEST:
+            self.refuse(name, f"a number above 0, at most {LARGEST:g}")
         return float(value)
 
     def rising(self, name: str, longest: int) -> tuple[float, ...]:

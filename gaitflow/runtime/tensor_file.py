@@ -13,6 +13,7 @@ from safetensors.numpy import load
 
 from gaitflow.core.errors import ArtifactError
 from gaitflow.core.task import AXES
+from gaitflow.runtime.strict import LARGEST
 
 
 @dataclass(frozen=True)
@@ -47,13 +48,14 @@ class TensorFile:
         return len(self.tensors[name])
 
     def array(self, name: str, shape: tuple[int, ...], kind: type, finite: bool = True) -> NDArray[Any]:
-        """A tensor of this shape and type, read-only, without NaN; `finite`: without infinity either."""
+        """A tensor of this shape and type, read-only, of numbers up to LARGEST; or infinite, unless `finite`."""
         tensor = self.tensors.get(name)
         if tensor is None or tensor.dtype != kind or tensor.shape != shape:
             found = "missing" if tensor is None else f"{tensor.dtype} {tensor.shape}"
             self.refuse(name, f"is {found}; expected {np.dtype(kind)} {shape}")
-        if np.isnan(tensor).any() or (finite and not np.isfinite(tensor).all()):
-            self.refuse(name, "holds a value that is not finite")
+        sound = np.abs(tensor) <= LARGEST
+        if not (sound if finite else sound | np.isinf(tensor)).all():
+            self.refuse(name, f"holds a value that is not finite, or beyond {LARGEST:g}")
         tensor.flags.writeable = False
         return tensor
 

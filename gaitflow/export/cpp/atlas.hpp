@@ -132,7 +132,7 @@ class AtlasView {
   }
 
  private:
-  static constexpr double largest_log = 700.0;
+  static constexpr double largest_log = 200.0;
   // As in gaitflow/runtime/nearby.py.
   static constexpr double steep = 0.3, odd = 0.1;
   static constexpr int rounds = 2;

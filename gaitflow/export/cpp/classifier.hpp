@@ -25,7 +25,7 @@ struct Classifier {
     return std::visit([](const auto& each) { return each.gaits(); }, method);
   }
 
-  // One probability a gait, of values of the axes.
+  // One probability a gait, of values of the axes. Throws MapError where its numbers grow beyond float32.
   std::vector<float> probabilities(std::vector<float> values) const {
     std::vector<float> all = std::visit([&](const auto& each) { return each(std::move(values)); }, method);
     for (std::size_t i = 0; i < smoothing.size(); ++i) all[i] = std::log(all[i] + smoothing[i]);
@@ -33,6 +33,7 @@ struct Classifier {
     const float most = *std::max_element(all.begin(), all.end());
     float total = 0;
     for (float& value : all) total += value = std::exp(value - most);
+    if (!std::isfinite(total)) throw MapError("the classifier gives no probabilities here; export the map again");
     for (float& value : all) value /= total;
     return all;
   }

@@ -18,6 +18,7 @@ struct MapError : std::runtime_error {
 namespace detail {
 
 constexpr std::size_t start_size = 56, most_bytes = std::size_t{1} << 30;
+constexpr double largest = 1e15;  // of a stored number: far above what maps hold
 
 // Takes items off the file in order; each begins at a multiple of 8 bytes.
 class Cursor {
@@ -44,10 +45,19 @@ class Cursor {
     return values;
   }
 
+  // Numbers of which products of several are still finite.
   template <class Number>
   std::vector<Number> finite(std::size_t count) {
     std::vector<Number> values = array<Number>(count);
-    for (const Number value : values) require(std::isfinite(value), "a number is not finite");
+    for (const Number value : values) require(std::abs(value) <= largest, "a number is not finite, or beyond 1e15");
+    return values;
+  }
+
+  // Bounds that may be infinite on their own side: below when `side` is -1, above when it is 1.
+  std::vector<double> bounds(std::size_t count, double side) {
+    std::vector<double> values = array<double>(count);
+    for (const double value : values)
+      require(std::abs(value) <= largest || (std::isinf(value) && side * value > 0), "a bound is no number that one has");
     return values;
   }
 

@@ -26,6 +26,7 @@ namespace detail {
 
 constexpr std::size_t checked_from = 16;
 constexpr std::uint32_t known_format = 5;
+constexpr double least_length = 1e-9;  // of what is divided by
 
 // CRC-32 as in zlib and PNG.
 inline std::uint32_t crc32(const unsigned char* bytes, std::size_t count) {
@@ -42,10 +43,10 @@ inline std::uint32_t crc32(const unsigned char* bytes, std::size_t count) {
 
 inline Space read_space(Cursor& file, const Layout& layout) {
   Space space;
-  space.lower = file.array<double>(layout.variables());
-  space.upper = file.array<double>(layout.variables());
-  space.lower_rows = file.array<double>(layout.rows);
-  space.upper_rows = file.array<double>(layout.rows);
+  space.lower = file.bounds(layout.variables(), -1);
+  space.upper = file.bounds(layout.variables(), 1);
+  space.lower_rows = file.bounds(layout.rows, -1);
+  space.upper_rows = file.bounds(layout.rows, 1);
   const auto bound = [&space](std::size_t place, double low, double high) {
     if (std::isfinite(low)) space.below.push_back(place);
     if (std::isfinite(high)) space.above.push_back(place);
@@ -74,6 +75,7 @@ inline Task read_task(Cursor& file) {
   task.names.resize(file.count(1, 64, "a task has no parameters, or too many"));
   task.ranged.resize(file.count(1, std::min<std::size_t>(task.names.size(), 8), "the map has no axes, or too many"));
   for (std::string& name : task.names) name = file.text();
+  file.require(std::count(task.names.begin(), task.names.end(), "cycle_duration") == 1, "a task has no cycle_duration");
   task.held = file.finite<double>(task.names.size());
   for (std::size_t i = 0; i < task.ranged.size(); ++i)
     task.ranged[i] = file.count(i == 0 ? 0 : task.ranged[i - 1] + 1, task.names.size() - 1, "an axis is no parameter");
@@ -134,10 +136,11 @@ inline Sheet read_sheet(Cursor& file, const MapFile& map) {
   sheet.gait = file.count(0, map.gaits.size() - 1, "a sheet of the atlas has a gait that the map has not");
   sheet.pattern = file.text();
   sheet.space = read_space(file, map.layout);
-  sheet.nodes = file.count(0, 1000000, "a sheet of the atlas has too many nodes");
-  sheet.mode_count = file.count(0, 512, "a sheet of the atlas has too many modes");
+  sheet.nodes = file.count(1, 1000000, "a sheet of the atlas has no nodes, or too many");
+  sheet.mode_count = file.count(1, 512, "a sheet of the atlas has no modes, or too many");
   const std::size_t size = file.count(0, 100000000, "a sheet of the atlas is too large");
-  file.require(size == sheet.space.encoded(), "a sheet of the atlas does not fit its pattern");
+  file.require(size == sheet.space.encoded() && !sheet.space.free.empty(),
+               "a sheet of the atlas does not fit its pattern");
   sheet.tear = file.finite<double>(1)[0];
   sheet.places = file.finite<double>(sheet.nodes * axes);
   sheet.log_costs = file.finite<double>(sheet.nodes);
@@ -167,11 +170,12 @@ inline Sheet read_sheet(Cursor& file, const MapFile& map) {
 inline void read_atlas(Cursor& file, MapFile& map) {
   Atlas& atlas = map.atlas;
   atlas.steps = file.finite<double>(map.task.ranged.size());
-  for (const double step : atlas.steps) file.require(step > 0, "a step of the atlas is not positive");
+  for (const double step : atlas.steps) file.require(step >= least_length, "a step of the atlas is not positive");
   const Vector rule = file.finite<double>(5);
   atlas.barrier = rule[0], atlas.reach = rule[1], atlas.nearest = rule[2], atlas.support = rule[3];
   atlas.doubt = rule[4];
-  file.require(atlas.reach > 0 && atlas.nearest > 0, "the atlas' rule has a length that is not positive");
+  file.require(atlas.barrier > 0 && atlas.reach >= least_length && atlas.nearest >= least_length,
+               "the atlas' rule has a number that is not positive");
   const std::size_t sheets = file.count(0, 4096, "the atlas has too many sheets");
   for (std::size_t i = 0; i < sheets; ++i) atlas.sheets.push_back(read_sheet(file, map));
 }
