@@ -1,8 +1,8 @@
 """JSON Schemas of the configuration files, for editors and the workflow; the pydantic models are their source.
 
-`python -m gaitflow.config.schemas workflow/schemas` writes them again after a model has changed. A schema holds what
-a field alone must be; how fields must agree (phases that fit into a cycle, the shape of an inertia) only the models
-check.
+`python -m gaitflow.config.schemas workflow/schemas` writes them again after a model has changed, and that of the whole
+scenario in a published map beside the runtime, which checks it by that. A schema holds what a field alone must be; how
+fields must agree (phases that fit into a cycle, the shape of an inertia) only the models check.
 """
 
 from __future__ import annotations
@@ -14,11 +14,14 @@ from typing import Any
 
 from pydantic.json_schema import GenerateJsonSchema
 
+import gaitflow
 from gaitflow.config.cluster import Profile
 from gaitflow.config.file import Config
 from gaitflow.config.robot import Robot
 from gaitflow.config.scenario import Scenario
 from gaitflow.files import atomic_write
+
+PUBLISHED_SCENARIO = Path(gaitflow.__file__).parent / "runtime" / "scenario.schema.json"
 
 
 class _Untitled(GenerateJsonSchema):
@@ -49,9 +52,18 @@ def write_schemas(folder: Path) -> tuple[Path, ...]:
     written = []
     for name, schema in file_schemas().items():
         path = folder / name
-        atomic_write(path, (json.dumps(schema, indent=2) + "\n").encode())
+        atomic_write(path, _json(schema))
         written.append(path)
     return tuple(written)
+
+
+def published_scenario() -> bytes:
+    """The schema of a scenario as manifests hold it, with its robot: the content of PUBLISHED_SCENARIO."""
+    return _json(_schema(Scenario))
+
+
+def _json(schema: dict[str, Any]) -> bytes:
+    return (json.dumps(schema, indent=2) + "\n").encode()
 
 
 if __name__ == "__main__":
@@ -59,3 +71,4 @@ if __name__ == "__main__":
         sys.exit("usage: python -m gaitflow.config.schemas FOLDER, such as workflow/schemas")
     for file in write_schemas(Path(sys.argv[1])):
         print(file)
+    atomic_write(PUBLISHED_SCENARIO, published_scenario())

@@ -31,7 +31,7 @@ def modern_scenario(data: Mapping[str, Any]) -> dict[str, Any]:
         }
         transcription = {"forces": "held", "grading": 0.0} | dict(data["transcription"])
         split = {key: data["tasks"][key] for key in ("held_out", "held_out_seed") if key in data["tasks"]}
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError) as error:
         raise ValueError(f"a scenario without tasks.axes, and not of the older form either: {error!r}") from None
     kept = {key: value for key, value in data.items() if key != "terrain"}
     return kept | {"tasks": {"axes": axes, **split}, "transcription": transcription}

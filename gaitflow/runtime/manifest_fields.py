@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from datetime import datetime
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,14 +19,14 @@ from gaitflow.core.legacy import modern_name, modern_scenario
 from gaitflow.core.task import AXES
 from gaitflow.motion.frames import are_frames
 from gaitflow.runtime.files import LIMITS, FileEntry
+from gaitflow.runtime.json_schema import fault_of
 from gaitflow.runtime.manifest import TIME_FORMAT, Gait
-from gaitflow.runtime.strict import Fields, is_number
+from gaitflow.runtime.strict import Fields
 from gaitflow.runtime.versions import Version
 
 MAX_GAITS = 4096
 MAX_AXIS = 10_000
 MAX_TASKS = 10_000_000
-_PARTS = ("robot", "objective", "transcription", "tasks")
 
 
 def version(fields: Fields) -> Version:
@@ -43,26 +46,21 @@ def created(fields: Fields) -> datetime:
 
 
 def scenario(fields: Fields) -> Mapping[str, Any]:
-    """The scenario in today's form; what the runtime itself reads of it is checked, sizes above all."""
+    """The scenario in today's form, each field of which is checked as in a YAML file."""
     try:
         data = modern_scenario(fields.mapping("scenario"))
     except ValueError as error:
         fields.refuse("scenario", str(error))
-    if not isinstance(data.get("name"), str) or not all(isinstance(data.get(part), dict) for part in _PARTS):
-        fields.refuse("scenario", f"a scenario with name, {', '.join(_PARTS)}")
-    robot, transcription, legs = data["robot"], data["transcription"], data["robot"].get("legs")
-    clearance = data.get("swing_clearance", 0.0)
+    if fault := fault_of(data, _schema()):
+        fields.refuse_inner("scenario", fault)
+    robot, axes = data["robot"], data["tasks"]["axes"]
+    ranged = [values for values in axes.values() if isinstance(values, dict)]
+    ends = [(axis, value) for axis, values in axes.items() for value in _ends(values)]
     sound = {
-        "robot.dimension": robot.get("dimension") in (2, 3),
-        "robot.mass": is_number(robot.get("mass")) and robot["mass"] > 0,
-        "robot.legs": isinstance(legs, list) and 1 <= len(legs) <= 8 and all(map(_is_leg, legs)),
-        "robot.frames": robot.get("frames") is None or are_frames(robot["frames"], legs),
-        "transcription.phases": _is_count(transcription.get("phases"), 64),
-        "transcription.knots_per_phase": _is_count(transcription.get("knots_per_phase"), 1000),
-        "transcription.forces": transcription.get("forces") in ("held", "linear"),
-        "transcription.grading": is_number(transcription.get("grading")) and 0 <= transcription["grading"] <= 1,
-        "swing_clearance": is_number(clearance) and 0 <= clearance < 1,
-        "tasks.axes": _are_axes(data["tasks"]["axes"]),
+        "robot.frames": robot.get("frames") is None or are_frames(robot["frames"], robot["legs"]),
+        "tasks.axes": bool(ranged)
+        and "cycle_duration" in axes
+        and all(AXES[axis].admits(value) for axis, value in ends),
     }
     for name, holds in sound.items():
         if not holds:
@@ -118,20 +116,10 @@ def _gait(fields: Fields, layout: Layout) -> Gait:
     return Gait(modern_name(fields.text("name")), fields.text("key"), fields.text("pattern"))
 
 
-def _is_leg(leg: object) -> bool:
-    return isinstance(leg, dict) and isinstance(leg.get("name"), str) and 0 < len(leg["name"]) <= 80
+def _ends(values: float | Mapping[str, float]) -> tuple[float, ...]:
+    return (values["start"], values["stop"]) if isinstance(values, Mapping) else (values,)
 
 
-def _is_count(value: object, most: int) -> bool:
-    return type(value) is int and 1 <= value <= most
-
-
-def _are_axes(axes: Mapping[str, Any]) -> bool:
-    ranged = [axis for axis, values in axes.items() if isinstance(values, dict)]
-    fixed = [axis for axis in axes if axis not in ranged]
-    return (
-        bool(ranged)
-        and set(axes) <= set(AXES)
-        and all(is_number(axes[axis]) and AXES[axis].admits(axes[axis]) for axis in fixed)
-        and ("cycle_duration" in axes)
-    )
+@cache
+def _schema() -> Mapping[str, Any]:
+    return json.loads((Path(__file__).parent / "scenario.schema.json").read_bytes())

@@ -9,6 +9,7 @@ from typing import Any
 from gaitflow.core.domain import Domain
 from gaitflow.core.errors import ArtifactError
 from gaitflow.core.layout import Layout
+from gaitflow.core.task import AXES, span
 from gaitflow.core.task_space import TaskSpace
 from gaitflow.runtime import legacy
 from gaitflow.runtime.files import CONTENT, LIMITS, MANIFEST, read_limited
@@ -92,4 +93,7 @@ def _manifest(fields: Fields) -> Manifest:
 def _domain(fields: Fields, space: TaskSpace) -> Domain:
     axes = fields.inner("axes", space.ranged)
     values = {axis: axes.rising(axis, MAX_AXIS) for axis in space.ranged}
+    for axis, own in values.items():
+        if not AXES[axis].admits(own[0]) or not AXES[axis].admits(own[-1]):
+            axes.refuse(axis, f"values in {span(axis)}")
     return Domain(values, feasible(fields, tuple(map(len, values.values()))))

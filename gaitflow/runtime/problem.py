@@ -85,6 +85,11 @@ def load_problem(folder: Path, manifest: Manifest, rows: int, trust_code: bool =
     from gaitflow.config.scenario import Scenario
     from gaitflow.problem import SeparableProblem, transcribe
 
+    here, there = gaitflow.__version__, manifest.gaitflow_version
+    try:
+        scenario = Scenario.from_data(manifest.scenario, f"{folder / MANIFEST}: scenario")
+    except ConfigError as error:
+        raise ArtifactError(f"{error}; it was published by gaitflow {there}, this is {here}") from None
     if manifest.format < FORMAT:
         return SeparableProblem(legacy.stored_problem(folder, manifest, rows, trust_code))
 
@@ -92,11 +97,7 @@ def load_problem(folder: Path, manifest: Manifest, rows: int, trust_code: bool =
     stored = parse_problem_check(
         read_checked(folder, PROBLEM_CHECK, manifest.files[PROBLEM_CHECK]), manifest.layout, rows, str(path)
     )
-    here, there = gaitflow.__version__, manifest.gaitflow_version
-    try:
-        problem = transcribe(Scenario.from_data(manifest.scenario, f"{folder / MANIFEST}: scenario"))
-    except ConfigError as error:
-        raise ArtifactError(f"{error}; it was published by gaitflow {there}, this is {here}") from None
+    problem = transcribe(scenario)
     fault = stored.differs(problem.nlp)
     if fault is None and abs(problem.cost_scale - manifest.cost_scale) > EQUAL * manifest.cost_scale:
         fault = f"the cost's scale is {problem.cost_scale:g} instead of {manifest.cost_scale:g}"

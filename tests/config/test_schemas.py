@@ -15,7 +15,8 @@ import yaml
 from gaitflow.config.file import ConfigError
 from gaitflow.config.robot import Robot, load_robot
 from gaitflow.config.scenario import Scenario, load_scenario
-from gaitflow.config.schemas import file_schemas, write_schemas
+from gaitflow.config.schemas import PUBLISHED_SCENARIO, file_schemas, published_scenario, write_schemas
+from gaitflow.runtime.json_schema import fault_of
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 COMMITTED = Path(__file__).parents[2] / "workflow" / "schemas"
@@ -39,6 +40,17 @@ def test_the_committed_schemas_are_current(tmp_path: Path) -> None:
     written = {path.name: path.read_bytes() for path in write_schemas(tmp_path)}
     committed = {path.name: path.read_bytes() for path in COMMITTED.glob("*.json")}
     assert committed == written, "run: python -m gaitflow.config.schemas workflow/schemas"
+
+
+def test_the_runtimes_schema_is_current_and_says_nothing_that_it_does_not_read() -> None:
+    assert PUBLISHED_SCENARIO.read_bytes() == published_scenario(), (
+        "run: python -m gaitflow.config.schemas workflow/schemas"
+    )
+    for path in sorted((CONFIGS / "scenarios").glob("*.yaml")):
+        data = load_scenario(path).as_data()
+        schema = json.loads(published_scenario())
+        assert fault_of(data, schema) is None
+        jsonschema.Draft202012Validator(schema).validate(data)
 
 
 def test_the_module_writes_the_schemas(tmp_path: Path) -> None:
