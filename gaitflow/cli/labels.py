@@ -12,7 +12,7 @@ from gaitflow.cli.errors import bad_input, print_json
 from gaitflow.cli.options import json_option
 from gaitflow.core.task import AXES
 
-NEEDED = ("gait", "pattern", "cost", "margin", "runner_up", "status", "split", "label")
+SHOWN = ("gait", "pattern", "cost", "margin", "runner_up", "status", "split", "label")
 ADDED = ("cost_error", "resolved")  # of labels older than these, nothing is known
 
 
@@ -29,7 +29,7 @@ def labels(dataset: Path, as_json: bool) -> None:
     Example: gaitflow labels datasets/quickstart/1.0.0 --json
     """
     with bad_input():
-        rows = read_labels(dataset)
+        rows = _rows(dataset)
     if as_json:
         return print_json(rows)
     for row in rows:
@@ -38,30 +38,16 @@ def labels(dataset: Path, as_json: bool) -> None:
         click.echo(f"{task}  {cost}")
 
 
-def read_labels(dataset: Path) -> list[dict[str, Any]]:
-    """The labels of a published dataset, or of a labels file, as plain data; what does not exist is None.
+def _rows(dataset: Path) -> list[dict[str, Any]]:
+    """The labels as plain data; what does not exist is None."""
+    from gaitflow.dataset.labels_file import read_labels
 
-    Raises ValueError that names the file when it cannot be read or holds no labels.
-    """
-    import pandas as pd
-
-    from gaitflow.publishing.dataset import LABELS
-
-    path = dataset / LABELS if dataset.is_dir() else dataset
-    try:
-        frame = pd.read_parquet(path)
-    except (OSError, ValueError) as error:
-        raise ValueError(f"{path}: no readable labels ({error})") from None
-    missing = [name for name in ("speed", "cycle_duration", *NEEDED, "ties") if name not in frame.columns]
-    if missing:
-        raise ValueError(f"{path}: these are no labels: column {missing[0]} is missing")
-    axes = [name for name in frame.columns if name in AXES]
+    table = read_labels(dataset)
+    axes = [name for name in table.column_names if name in AXES]
+    kept = table.select([*axes, *SHOWN, *(name for name in ADDED if name in table.column_names), "ties"])
     unknown = dict.fromkeys(ADDED)
-    kept = frame[[*axes, *NEEDED, *(name for name in ADDED if name in frame.columns), "ties"]]
-    return [unknown | {str(k): _plain(v) for k, v in row.items()} for row in kept.to_dict("records")]
+    return [unknown | {key: _plain(value) for key, value in row.items()} for row in kept.to_pylist()]
 
 
 def _plain(value: Any) -> Any:
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return list(value) if hasattr(value, "tolist") else value
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import pyarrow as pa
 
 from gaitflow.core.legacy import modern_name
@@ -32,9 +31,15 @@ def modern_table(table: pa.Table, scenario: Mapping[str, Any]) -> pa.Table:
     return table.select(known)
 
 
-def modern_labels(labels: pd.DataFrame) -> pd.DataFrame:
-    """A frame of labels or gait costs with the gaits called as today; columns without names stay as they are."""
-    names = {column: labels[column].map(modern_name, na_action="ignore") for column in NAMED if column in labels}
-    if "ties" in labels:
-        names["ties"] = labels["ties"].map(lambda ties: [modern_name(name) for name in ties])
-    return labels.assign(**names)
+def modern_names(table: pa.Table) -> pa.Table:
+    """A table of labels or gait costs with the gaits called as today; columns without names stay as they are."""
+    for number, field in enumerate(table.schema):
+        values = table[field.name].to_pylist() if field.name in (*NAMED, "ties") else []
+        if field.name in NAMED:
+            called: list[Any] = [None if name is None else modern_name(name) for name in values]
+        elif field.name == "ties":
+            called = [None if names is None else [modern_name(name) for name in names] for names in values]
+        else:
+            continue
+        table = table.set_column(number, field, pa.array(called, field.type))
+    return table

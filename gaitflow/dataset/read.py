@@ -9,20 +9,23 @@ from typing import Any, overload
 
 import pandas as pd
 import pyarrow as pa
-import pyarrow.parquet as pq
 
+from gaitflow.config.file import require_mapping
 from gaitflow.core.legacy import modern_scenario
 from gaitflow.core.task import Split
 from gaitflow.core.trajectory import Array
 from gaitflow.dataset.legacy import modern_table
+from gaitflow.dataset.sound import schema_fault, table_fault
 from gaitflow.search.solution import Solution
 from gaitflow.tables.provenance import read_record
 from gaitflow.tables.schema import scalar_columns
 from gaitflow.tables.seal import check_seal
 from gaitflow.tables.solutions import table_to_solutions
+from gaitflow.tables.untrusted import file_in, opened, read_table
 
 FILE_NAME = "solutions.parquet"
-MAX_BYTES = 64 << 30  # of all columns when unpacked
+MAX_ROWS = 100_000_000
+MAX_BYTES = 16 << 30  # of all columns when unpacked
 ROWS_AT_ONCE = 256
 
 
@@ -130,21 +133,20 @@ def load_solutions(path: str | Path) -> Solutions:
     pandas. Datasets of all versions are read, and come in today's form.
     Raises FileNotFoundError, and ValueError that names the file when it is damaged or not one of ours.
     """
-    file_path = Path(path)
-    if file_path.is_dir():
-        file_path = file_path / FILE_NAME
-    if not file_path.is_file():
-        raise FileNotFoundError(f"{file_path}: no such dataset; give a .parquet file or the folder of one version")
+    file_path = file_in(Path(path), FILE_NAME)
     check_seal(file_path)
-    try:
-        with pq.ParquetFile(file_path) as file:
-            record = read_record(file.metadata.metadata, str(file_path))
-            groups = (file.metadata.row_group(i).total_byte_size for i in range(file.metadata.num_row_groups))
-            if sum(groups) > MAX_BYTES:
-                raise ValueError(f"{file_path}: unpacks to more than {MAX_BYTES} bytes")
-            if record["kind"] != "dataset":
-                raise ValueError(f"{file_path}: is one {record['kind']} of a run, not a dataset")
-            record["scenario"] = modern_scenario(record["scenario"])
-            return Solutions(modern_table(file.read(), record["scenario"]), record)
-    except pa.ArrowException as error:
-        raise ValueError(f"{file_path}: not a readable Parquet file ({error})") from None
+    with opened(file_path, MAX_ROWS) as file:
+        record = read_record(file.metadata.metadata, str(file_path))
+        if record["kind"] != "dataset":
+            raise ValueError(f"{file_path}: is one {record['kind']} of a run, not a dataset")
+        try:
+            record["scenario"] = modern_scenario(require_mapping(record.get("scenario"), "scenario"))
+            fault = schema_fault(file.schema_arrow, record["scenario"])
+        except ValueError as error:
+            raise ValueError(f"{file_path}: its record holds no scenario ({error})") from None
+        if fault is None:
+            table = modern_table(read_table(file, file_path, MAX_BYTES), record["scenario"])
+            fault = table_fault(table, record["scenario"])
+        if fault is not None:
+            raise ValueError(f"{file_path}: these are no solutions of its scenario: {fault}")
+    return Solutions(table, record)

@@ -232,11 +232,8 @@ def report(workspace: Workspace, scenario: Scenario) -> list[Path]:
 
 def claims(workspace: Workspace) -> tuple[Claim, ...]:
     """The paper's statements, measured on the newest published datasets of its scenarios and of the exact ones."""
-    import pandas as pd
-
     from gaitflow.dataset import load_solutions
-    from gaitflow.dataset.legacy import modern_labels
-    from gaitflow.publishing.dataset import LABELS
+    from gaitflow.dataset.labels_file import read_labels
     from gaitflow.report.claims import SCENARIOS, check_claims
     from gaitflow.report.stored import scenario_of
     from gaitflow.report.winners import winners
@@ -247,8 +244,7 @@ def claims(workspace: Workspace) -> tuple[Claim, ...]:
         versions = versions_in(workspace.datasets / name)
         if versions:
             folder = workspace.datasets / name / str(versions[-1])
-            frames[name] = modern_labels(pd.read_parquet(folder / LABELS))
-            solutions = load_solutions(folder)
+            frames[name], solutions = read_labels(folder).to_pandas(), load_solutions(folder)
             on_grid = frames[name][frames[name]["split"] == "grid"]
             motions[name] = winners(on_grid, solutions, scenario_of(solutions).tasks.space)
     return check_claims(frames, motions)

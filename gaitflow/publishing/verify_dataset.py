@@ -41,12 +41,12 @@ def _motion_faults(folder: Path) -> list[Finding]:
             continue
         where = f"{row.task.text()}, pattern {row.pattern}"
         violation = worst(scenario, row.trajectory, row.task, row.pattern)
-        if violation > FEASIBLE:
+        if not violation <= FEASIBLE:  # NaN is no verdict
             told = f"{where}: violates a constraint by {violation:.1e}, more than {FEASIBLE:g}"
             faults.append(Finding(FILE_NAME, told))
             continue
         integrated = cost(scenario, row.trajectory, row.task, row.pattern)
-        if abs(row.cost - integrated) > differs * abs(integrated):
+        if not abs(row.cost - integrated) <= differs * abs(integrated):
             told = f"{where}: the cost is {row.cost:.6g}, the motion's is {integrated:.6g}"
             faults.append(Finding(FILE_NAME, told))
     return faults

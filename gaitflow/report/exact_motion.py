@@ -9,7 +9,7 @@ import pandas as pd
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.legacy import modern_scenario
-from gaitflow.dataset.legacy import modern_labels
+from gaitflow.dataset.legacy import modern_names
 from gaitflow.files import atomic_write
 from gaitflow.report.claims import Claim, check_claims
 from gaitflow.report.report import png_of
@@ -53,8 +53,9 @@ def published_map(folder: Path) -> LabelledMap | None:
     """The newest published dataset of a scenario; None where there is none."""
     import pyarrow.parquet as pq
 
+    from gaitflow.dataset.labels_file import read_labels
     from gaitflow.dataset.read import FILE_NAME
-    from gaitflow.publishing.dataset import GAIT_COSTS, LABELS
+    from gaitflow.publishing.dataset import GAIT_COSTS
     from gaitflow.runtime.versions import versions_in
     from gaitflow.tables.provenance import read_record
 
@@ -64,8 +65,8 @@ def published_map(folder: Path) -> LabelledMap | None:
     version = folder / str(versions[-1])
     record = read_record(pq.read_metadata(version / FILE_NAME).metadata, str(version / FILE_NAME))
     scenario = Scenario.from_data(modern_scenario(record["scenario"]), str(version))
-    labels, costs = (modern_labels(pd.read_parquet(version / name)) for name in (LABELS, GAIT_COSTS))
-    return LabelledMap(scenario, labels, costs)
+    costs = modern_names(pq.read_table(version / GAIT_COSTS)).to_pandas()
+    return LabelledMap(scenario, read_labels(version).to_pandas(), costs)
 
 
 def _row(name: str, found: pd.DataFrame, tolerance: float) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from gaitflow.config.scenario import Scenario
-from gaitflow.dataset.legacy import modern_labels
+from gaitflow.dataset.labels_file import read_labels
 from gaitflow.dataset.read import load_solutions
 from gaitflow.files import atomic_write
 from gaitflow.report.claims import EXACT, FIGURES
@@ -26,7 +26,6 @@ from gaitflow.runtime import GaitMap
 from gaitflow.runtime.versions import versions_in
 from gaitflow.search.solution import Solution
 
-LABELS = "labels.parquet"
 RULES = {"euler": FIGURES, "exact": EXACT}
 FIG_6 = ("walking", "gallop-walk")
 FIG_9 = ("three-beat", "walking trot", "four-beat", "running trot")  # what the names of its gaits begin with
@@ -51,7 +50,7 @@ class PublishedMap:
             if not versions:
                 raise ValueError(f"{kind / name}: no published version; the figures need those of {name}")
             folders.append(kind / name / str(versions[-1]))
-        solutions, labels = load_solutions(folders[0]), modern_labels(pd.read_parquet(folders[0] / LABELS))
+        solutions, labels = load_solutions(folders[0]), read_labels(folders[0]).to_pandas()
         scenario = scenario_of(solutions)
         regions = winners(labels, solutions, scenario.tasks.space)
         return cls(scenario, labels, regions, GaitMap.load(folders[1]))

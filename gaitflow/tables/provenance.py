@@ -63,7 +63,7 @@ def read_record(metadata: Mapping[bytes, bytes] | None, source: str) -> dict[str
     try:
         record = json.loads((metadata or {})[KEY])
         kind, number = record["kind"], record["format"]
-    except (KeyError, TypeError, ValueError):
+    except (KeyError, TypeError, ValueError, RecursionError):
         raise ValueError(f"{source}: carries no gaitflow record; it is not one of our files") from None
     if number not in READ or kind not in ("unit", "dataset"):
         raise ValueError(

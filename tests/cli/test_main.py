@@ -131,7 +131,7 @@ def test_older_labels_are_printed_and_other_files_refused(checkout: Path, tmp_pa
     assert len(rows) == 124 and rows[0]["resolved"] is None and rows[0]["cost_error"] is None
     pd.DataFrame({"speed": [1.0]}).to_parquet(tmp_path / "odd.parquet")
     (tmp_path / "text.parquet").write_text("text")
-    for name, says in (("odd", "column cycle_duration is missing"), ("text", "no readable labels")):
+    for name, says in (("odd", "column cycle_duration is missing"), ("text", "not a readable Parquet file")):
         done = call(tmp_path, "labels", str(tmp_path / f"{name}.parquet"))
         assert done.exit_code == 2 and says in done.stderr and len(done.stderr.splitlines()) == 1
 

@@ -8,13 +8,15 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+import pyarrow.parquet as pq
 import pytest
 
 from gaitflow.core.gaits import Pattern, gait_of
 from gaitflow.core.names import gait_name
 from gaitflow.core.task import Split, Task
 from gaitflow.dataset.labels import COSTS, LABELS, gait_costs, label_tasks, mark_failed
-from gaitflow.dataset.legacy import modern_labels
+from gaitflow.dataset.labels_file import read_labels
+from gaitflow.dataset.legacy import modern_names
 
 LEGS = ("F", "H")
 GALLOP, WALK, BOUND = (gait_of(Pattern.from_text(text)).text for text in ("0110/1100", "0111/1101", "0001/0100"))
@@ -222,10 +224,9 @@ def test_a_task_is_infeasible_only_when_every_pattern_got_that_verdict(
 def test_names_of_published_labels_are_read_as_those_of_today() -> None:
     folder = Path(__file__).parents[2] / "datasets/anymal-energy/1.0.0"
     for file in ("labels.parquet", "gait_costs.parquet"):
-        stored = pd.read_parquet(folder / file)
-        today = modern_labels(stored)
+        table = pq.read_table(folder / file)
+        stored, today = table.to_pandas(), modern_names(table).to_pandas()
         keys = {key: gait_name(Pattern.from_text(key), ("LF", "RF", "LH", "RH")) for key in stored["gait_key"] if key}
         assert (today["gait"] == stored["gait_key"].map(keys).fillna("")).all()
         assert (today["gait"] != stored["gait"]).any()
-    labels = modern_labels(pd.read_parquet(folder / "labels.parquet"))
-    assert all(row["gait"] in row["ties"] for row in labels.to_dict("records"))
+    assert all(row["gait"] in row["ties"] for row in read_labels(folder).to_pylist())

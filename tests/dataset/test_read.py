@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pyarrow as pa
+import pyarrow.compute as pc
 import pyarrow.parquet as pq
 import pytest
 
@@ -18,6 +19,7 @@ from gaitflow.dataset.collect import collect
 from gaitflow.search.solution import Solution
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import Unit
+from gaitflow.tables.seal import write_sealed
 
 
 @pytest.fixture
@@ -92,6 +94,54 @@ def test_a_damaged_or_foreign_file_is_refused_by_name(dataset: Path, tmp_path: P
         load_solutions(other)
     with pytest.raises(FileNotFoundError, match="no such dataset"):
         load_solutions(tmp_path / "nothing")
+
+
+def resealed(path: Path, table: pa.Table, record: dict[str, object]) -> Path:
+    with open(path, "wb+") as file:
+        write_sealed(file, table.schema, [table], record)
+    return path
+
+
+def replaced(table: pa.Table, name: str, values: pa.Array) -> pa.Table:
+    return table.set_column(table.column_names.index(name), table.schema.field(name).with_type(values.type), values)
+
+
+def test_what_is_sealed_and_yet_no_solutions_is_refused_by_name(dataset: Path, tmp_path: Path) -> None:
+    solutions = load_solutions(dataset)
+    table, record, rows = solutions.table, solutions.record, len(solutions)
+    odd = pa.field("split", pa.string(), True)
+    patterns, base = pa.array(["01x/110"] * rows), table["base"].combine_chunks()
+    infinite = pa.FixedSizeListArray.from_arrays(pa.array(np.full(rows * base.type.list_size, np.inf)), type=base.type)
+    broken = {
+        "columns differ: cost": table.drop_columns(["cost"]),
+        "column cost is string": replaced(table, "cost", pa.array(["cheap"] * rows)),
+        "split has rows without a value": table.set_column(
+            table.column_names.index("split"), odd, pa.nulls(rows, pa.string())
+        ),
+        "a task is none of the scenario's: speed": replaced(table, "speed", pa.array([1e308] * rows)),
+        "pattern: gait pattern '01x/110'": replaced(table, "pattern", patterns),
+        "a row has a part of a motion": replaced(table, "feet", pa.nulls(rows, table.schema.field("feet").type)),
+        "column base holds a number that is not finite": replaced(
+            table, "base", pc.if_else(table["base"].is_valid(), infinite, pa.nulls(rows, base.type))
+        ),
+    }
+    for fault, bad in broken.items():
+        with pytest.raises(ValueError, match=f"bad.parquet: these are no solutions of its scenario: .*{fault}"):
+            load_solutions(resealed(tmp_path / "bad.parquet", bad, record))
+    for bad_record in (
+        {key: value for key, value in record.items() if key != "scenario"},
+        record | {"scenario": 3},
+        record | {"scenario": record["scenario"] | {"robot": None}},
+    ):
+        with pytest.raises(ValueError, match=r"bad\.parquet: its record holds no scenario"):
+            load_solutions(resealed(tmp_path / "bad.parquet", table, bad_record))
+
+
+def test_a_link_out_of_the_folder_is_not_followed(dataset: Path, tmp_path: Path) -> None:
+    (tmp_path / "1.0.0").mkdir()
+    (tmp_path / "1.0.0" / "solutions.parquet").symlink_to(dataset)
+    with pytest.raises(ValueError, match="leads out of"):
+        load_solutions(tmp_path / "1.0.0")
 
 
 def test_importing_the_package_loads_nothing_heavy() -> None:

@@ -1,0 +1,61 @@
+"""Parquet files that anybody may have written: opened where they are said to be, read within bounds.
+
+Whatever is wrong with a file is a ValueError of one line that names it. What its columns must be only its readers know.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from gaitflow.files import inside
+
+ROWS_AT_ONCE = 4096
+
+
+def file_in(path: Path, name: str) -> Path:
+    """`path`, or where that is a folder its file of this name.
+
+    Raises FileNotFoundError when there is none, ValueError when the name in the folder is a link that leads elsewhere.
+    """
+    file_path = inside(path, name) if path.is_dir() else path
+    if not file_path.is_file():
+        raise FileNotFoundError(f"{file_path}: no such dataset; give a .parquet file or the folder of one version")
+    return file_path
+
+
+@contextmanager
+def opened(path: Path, most_rows: int) -> Iterator[pq.ParquetFile]:
+    """A Parquet file of at most so many rows, whose columns have different names."""
+    try:
+        with pq.ParquetFile(path) as file:
+            names, rows = file.schema_arrow.names, file.metadata.num_rows
+            if len(set(names)) < len(names):
+                raise ValueError(f"{path}: two columns have one name")
+            if not 0 <= rows <= most_rows:
+                raise ValueError(f"{path}: has {rows} rows; it may have at most {most_rows}")
+            yield file
+    except MemoryError:  # pyarrow's, too
+        raise ValueError(f"{path}: unpacks to more than this machine's memory") from None
+    except (pa.ArrowException, OSError) as error:
+        reason = " ".join(str(error).split())[:200]
+        raise ValueError(f"{path}: not a readable Parquet file ({reason})") from None
+
+
+def read_table(file: pq.ParquetFile, path: Path, most_bytes: int) -> pa.Table:
+    """All rows, unpacked piece by piece to at most so many bytes. Raises ValueError as `opened` does, around it."""
+    # Lists of a fixed size take their place in rows without a value, too, which take none in the file.
+    fixed = [kind.list_size for kind in file.schema_arrow.types if pa.types.is_fixed_size_list(kind)]
+    if file.metadata.num_rows * 8 * sum(fixed) > most_bytes:
+        raise ValueError(f"{path}: {file.metadata.num_rows} rows unpack to more than {most_bytes} bytes")
+    pieces, size = list[pa.RecordBatch](), 0
+    for piece in file.iter_batches(batch_size=ROWS_AT_ONCE, use_threads=False):
+        size += piece.nbytes
+        if size > most_bytes:
+            raise ValueError(f"{path}: unpacks to more than {most_bytes} bytes")
+        pieces.append(piece)
+    return pa.Table.from_batches(pieces, file.schema_arrow)
