@@ -18,7 +18,10 @@ Array = NDArray[np.float64]
 
 MAX_BYTES = 4_000_000
 MAX_ELEMENTS = 50_000
-MAX_LINKS = 1_000  # a legged robot has some dozens; the tree is walked recursively by the library that reads it
+MAX_LINKS = 1_000  # a legged robot has some dozens
+MAX_CHAIN = 100  # links one below the other: the library that reads it walks the tree recursively
+MAX_NESTING = 20  # elements one inside the other
+MAX_ATTRIBUTES = 100  # of one element: the time that the library takes grows with their square
 NEGLIGIBLE = 0.01  # of all links' moments: makers give cameras and empty base links placeholders that no body has
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 INSTALLED = ("share", "site-packages")  # folders below which a path is the same on every machine
@@ -66,9 +69,38 @@ def read_description(path: Path) -> Description:
         raise ConfigError(
             f"{path}: {elements} elements, {links} links; the most it may have are {MAX_ELEMENTS} and {MAX_LINKS}"
         )
+    found = {
+        "attributes in one element": (max(len(each.attrib) for each in root.iter()), MAX_ATTRIBUTES),
+        "elements one inside the other": (_nesting(root), MAX_NESTING),
+        "links one below the other": (_longest_chain(root), MAX_CHAIN),
+    }
+    for what, (count, most) in found.items():
+        if count > most:
+            raise ConfigError(f"{path}: has {count} or more {what}; the most it may have are {most}")
     bodies = {link.get("name"): _body(path, link) for link in root.iterfind("link[inertial]")}
     _check_moments(path, {link: inertia for link, (_, inertia) in bodies.items()})
     return Description(path, name, text, sum(mass for mass, _ in bodies.values()))
+
+
+def _nesting(root: ElementTree.Element) -> int:
+    """How many elements are one inside the other; counted up to one more than there may be."""
+    level, depth = [root], 0
+    while level and depth <= MAX_NESTING:
+        level, depth = [child for each in level for child in each], depth + 1
+    return depth
+
+
+def _longest_chain(root: ElementTree.Element) -> int:
+    """How many links hang one below the other at the most; more than there are joints, where they form a ring."""
+    joints = [(joint.find("parent"), joint.find("child")) for joint in root.iterfind("joint")]
+    ends = [(a.get("link"), b.get("link")) for a, b in joints if a is not None and b is not None]
+    depths: dict[str | None, int] = {child: 1 for _, child in ends}
+    for _ in range(MAX_CHAIN + 1):
+        deeper = {child: max(depths[child], depths.get(parent, 0) + 1) for parent, child in ends}
+        if deeper == depths:
+            break
+        depths = deeper
+    return max(depths.values(), default=0)
 
 
 def _body(path: Path, link: ElementTree.Element) -> tuple[float, Array]:

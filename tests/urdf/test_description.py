@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -110,6 +111,31 @@ def test_flat_bodies_points_and_placeholders_too_small_to_matter_are_read(
     write: Write, moments: tuple[float, float, float]
 ) -> None:
     assert read_description(write(links((0.3, 0.8, 0.9), moments))).mass == 2.0
+
+
+def chain(links: int) -> str:
+    body = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+    names = [f"l{i}" for i in range(links)]
+    parts = [f'<link name="{name}">{body}</link>' for name in names]
+    parts += [
+        f'<joint name="to_{child}" type="fixed"><parent link="{parent}"/><child link="{child}"/></joint>'
+        for parent, child in pairwise(names)
+    ]
+    return f'<robot name="a">{"".join(parts)}</robot>'
+
+
+def test_what_the_library_that_reads_it_takes_ages_for_is_refused(write: Write) -> None:
+    assert read_description(write(chain(50))).mass == 50.0
+    assert "has 102 or more links one below the other; the most it may have are 100" in refusal(write(chain(600)))
+    ring = chain(3).replace("</robot>", '<joint name="r"><parent link="l2"/><child link="l0"/></joint></robot>')
+    assert "links one below the other" in refusal(write(ring))
+    many = " ".join(f'a{i}="1"' for i in range(300_000))
+    assert "has 300001 or more attributes in one element" in refusal(write(f'<robot name="a" {many}/>'))
+
+
+def test_deeply_nested_elements_are_refused(write: Write) -> None:
+    nested = "<a>" * 10_000 + "</a>" * 10_000
+    assert "elements one inside the other; the most" in refusal(write(f'<robot name="a">{nested}</robot>'))
 
 
 def test_a_missing_file(tmp_path: Path) -> None:
