@@ -1,7 +1,13 @@
-"""At most one driver a run: two would hand out the same units and cancel each other's workers."""
+"""At most one driver a run: two would solve the same units, and cancel each other's workers.
+
+A process that drives a run says so in `<run folder>/driver.json`, with its host, user and start. A record whose process
+is gone, on this host, counts for nothing.
+"""
 
 from __future__ import annotations
 
+import fcntl
+import getpass
 import json
 import os
 import socket
@@ -9,7 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from gaitflow.execute.schedulers.jobs import DRIVER, jobs_of
+from gaitflow.execute.schedulers.jobs import DRIVER, SlurmError, jobs_of
 from gaitflow.files import atomic_write
 
 IN_DRIVER_JOB = "GAITFLOW_DRIVER_JOB"  # set by the driver's script: the id of its job
@@ -28,34 +34,51 @@ def refuse_second_driver(run_folder: Path) -> None:
                 f"{name}: the driver job {job.id} is {job.state.lower()}; watch it with `gaitflow status {name}`, "
                 f"or end it first with `gaitflow cancel {name}`"
             )
-    process = driver_process(run_folder)
-    if process is not None:
-        raise DriverAlive(
-            f"{name}: {process} solves it; end that one first, or remove {_record(run_folder)} when it is gone"
-        )
+    _refuse_second_process(run_folder)
 
 
 def driver_process(run_folder: Path) -> str | None:
-    """The process that drives this run outside of a job, such as "the process 7 on login1"; None without one."""
+    """The process that drives this run outside of a job: "the process 7 of anna on login1"; None without one."""
     try:
         held = json.loads(_record(run_folder).read_bytes())
-        host, pid = str(held["host"]), int(held["pid"])
+        host, pid, user, started = str(held["host"]), int(held["pid"]), str(held["user"])[:80], held["started"]
     except (OSError, ValueError, KeyError, TypeError):
         return None
-    if host == socket.gethostname() and not _is_alive(pid):
+    if host == socket.gethostname() and (pid == os.getpid() or _start_of(pid) != started):
         return None
-    return f"the process {pid} on {host}"
+    return f"the process {pid} of {user} on {host}"
 
 
 @contextmanager
 def the_driver(run_folder: Path) -> Iterator[None]:
-    """Be the run's driver for a block. Raises DriverAlive when there is another one, SlurmError, WriteError."""
+    """Be the run's driver on a cluster for a block. Raises DriverAlive when it has another, SlurmError, WriteError."""
     if IN_DRIVER_JOB in os.environ:  # `submit` has looked, and a requeued job is the same one
         yield
         return
     refuse_second_driver(run_folder)
-    record = _record(run_folder)
-    atomic_write(record, json.dumps({"host": socket.gethostname(), "pid": os.getpid()}).encode())
+    with _recorded(run_folder):
+        yield
+
+
+@contextmanager
+def the_local_driver(run_folder: Path) -> Iterator[None]:
+    """Be the run's driver on this machine alone for a block. Raises DriverAlive when there is another, WriteError."""
+    if (run_folder / "cluster").is_dir():
+        with suppress(SlurmError):  # the folder may have been copied from a cluster
+            refuse_second_driver(run_folder)
+    with _recorded(run_folder):
+        yield
+
+
+@contextmanager
+def _recorded(run_folder: Path) -> Iterator[None]:
+    record, pid = _record(run_folder), os.getpid()
+    held = {"host": socket.gethostname(), "pid": pid, "user": getpass.getuser(), "started": _start_of(pid)}
+    run_folder.mkdir(parents=True, exist_ok=True)
+    with open(record.with_suffix(".lock"), "a") as lock:  # so that of two that look at once one writes
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        _refuse_second_process(run_folder)
+        atomic_write(record, json.dumps(held).encode())
     try:
         yield
     finally:
@@ -63,15 +86,23 @@ def the_driver(run_folder: Path) -> Iterator[None]:
             record.unlink()
 
 
+def _refuse_second_process(run_folder: Path) -> None:
+    process = driver_process(run_folder)
+    if process is not None:
+        raise DriverAlive(
+            f"{run_folder.resolve().name}: {process} solves it; end that one first, or remove {_record(run_folder)} "
+            "when it is gone"
+        )
+
+
 def _record(run_folder: Path) -> Path:
-    return run_folder / "cluster" / "driver.json"
+    return run_folder / "driver.json"
 
 
-def _is_alive(pid: int) -> bool:
+def _start_of(pid: int) -> str | None:
+    """When a process of this host started, in ticks since it was booted; None when there is none."""
     try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        return True
-    return pid != os.getpid()
+        fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return None
+    return None if fields[0] == "Z" else fields[19]

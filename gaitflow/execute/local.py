@@ -1,4 +1,7 @@
-"""A Dask cluster of this machine: worker processes on the loopback interface, one thread each."""
+"""A Dask cluster of this machine: worker processes on the loopback interface, one thread each.
+
+Other users of the machine can reach that interface. So nobody is let in without the session's key, see `tls`.
+"""
 
 from __future__ import annotations
 
@@ -7,11 +10,15 @@ import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import dask
 from distributed import Client, LocalCluster
 
+from gaitflow.execute.drivers import the_local_driver
 from gaitflow.execute.settings import SETTINGS
+from gaitflow.execute.tls import session_security
 
 
 @contextmanager
@@ -20,18 +27,28 @@ def local_client(workers: int = 2) -> Iterator[Client]:
 
     Workers that die are replaced. They never see a terminal's Ctrl-C: the run stops them.
     """
-    with dask.config.set(SETTINGS), _without_ctrl_c():
-        cluster = LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            processes=True,
-            host="127.0.0.1",
-            dashboard_address="127.0.0.1:0",
-            scheduler_kwargs={"dashboard": False},
-            memory_limit=0,
-            silence_logs=logging.CRITICAL,
-        )
-    with cluster, Client(cluster) as client:
+    with TemporaryDirectory(prefix="gaitflow-") as own, session_security(Path(own)) as security:  # 0700, both
+        with dask.config.set(SETTINGS), _without_ctrl_c():
+            cluster = LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                host="127.0.0.1",
+                protocol="tls://",
+                security=security,
+                dashboard_address="127.0.0.1:0",
+                scheduler_kwargs={"dashboard": False},
+                memory_limit=0,
+                silence_logs=logging.CRITICAL,
+            )
+        with cluster, Client(cluster) as client:
+            yield client
+
+
+@contextmanager
+def local_run_client(run_folder: Path, workers: int) -> Iterator[Client]:
+    """`local_client` of the one driver of a run. Raises DriverAlive when another process or job drives it."""
+    with the_local_driver(run_folder), local_client(workers) as client:
         yield client
 
 

@@ -49,10 +49,11 @@ def solve(
 ) -> tuple[RunState, Path]:
     """Solve every unit that the store lacks and collect them into one file.
 
-    On `workers` processes of this machine, or with a profile on the jobs of a Slurm cluster.
+    On `workers` processes of this machine, or with a profile on the jobs of a Slurm cluster. Raises DriverAlive when
+    another process or job solves the run.
     """
     from gaitflow.dataset.collect import collect
-    from gaitflow.execute.local import local_client
+    from gaitflow.execute.local import local_run_client
     from gaitflow.execute.progress import progress
     from gaitflow.execute.run import run_units
     from gaitflow.execute.solver import longest_unit_s
@@ -72,7 +73,7 @@ def solve(
 
         def open_client() -> AbstractContextManager[Any]:
             if profile is None:
-                return local_client(workers)
+                return local_run_client(store.folder, workers)
             from gaitflow.execute.schedulers.slurm import slurm_client
 
             return slurm_client(profile, store.folder, longest_unit_s(units), tell)

@@ -1,11 +1,21 @@
 from __future__ import annotations
 
+import getpass
+import json
 import os
+import pwd
 import signal
 import socket
+import subprocess
+import sys
 import time
+from pathlib import Path
 
+import pytest
 from distributed import Client
+
+from gaitflow.execute.drivers import DriverAlive, the_local_driver
+from gaitflow.execute.local import local_run_client
 
 
 def _inside() -> tuple[str | None, bool]:
@@ -18,7 +28,7 @@ def test_two_workers_of_one_thread_on_loopback(client: Client) -> None:
     workers = client.scheduler_info(n_workers=-1)["workers"]
     assert [worker["nthreads"] for worker in workers.values()] == [1, 1]
     addresses = [client.scheduler.address, *workers]
-    assert all(address.startswith("tcp://127.0.0.1:") for address in addresses)
+    assert all(address.startswith("tls://127.0.0.1:") for address in addresses)
     port = int(client.scheduler.address.rsplit(":", 1)[1])
     others = {info[4][0] for info in socket.getaddrinfo(socket.gethostname(), None, socket.AF_INET)}
     for host in others - {"127.0.0.1", "127.0.1.1"}:
@@ -38,6 +48,59 @@ def test_workers_have_one_thread_and_never_see_ctrl_c_even_when_replaced(client:
     client.wait_for_workers(2)
     assert len(set(pids)) >= 1
     assert set(client.run(_inside).values()) == {("1", True)}
+
+
+STRANGER = """
+import os, sys
+from distributed import Client, Security
+own = dict(tls_ca_file=sys.argv[2], tls_client_cert=sys.argv[2], tls_client_key=sys.argv[3])
+key = Security(require_encryption=True, **own)
+os.setgroups([]), os.setgid(int(sys.argv[5])), os.setuid(int(sys.argv[4]))  # now: the interpreter may be root's alone
+for address, credentials in ((sys.argv[1], None), (sys.argv[1].replace("tls", "tcp"), None), (sys.argv[1], key)):
+    try:
+        with Client(address, security=credentials, timeout="3s") as client:
+            print("ran code as", client.submit(os.getuid).result(timeout=5))
+    except (OSError, TypeError, ValueError, RuntimeError) as error:
+        print("refused", type(error).__name__)
+"""
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root may start a process of another user")
+def test_another_user_of_the_machine_runs_nothing(client: Client) -> None:
+    credentials = client.security.get_tls_config_for_role("client")
+    nobody = pwd.getpwnam("nobody")
+    arguments = [
+        client.scheduler.address,
+        credentials["cert"],
+        credentials["key"],
+        str(nobody.pw_uid),
+        str(nobody.pw_gid),
+    ]
+    command = [sys.executable, "-c", STRANGER, *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    said = done.stdout.split("\n")[:-1]
+    assert [line.split()[0] for line in said] == ["refused"] * 3, done.stdout + done.stderr
+    assert said[2] == "refused PermissionError"
+    assert client.submit(os.getuid).result(timeout=20) == 0, "the run is still well"
+
+
+def test_a_run_has_one_driver(tmp_path: Path) -> None:
+    code = "import sys; from pathlib import Path; from gaitflow.execute.drivers import the_local_driver as d\n"
+    code += "with d(Path(sys.argv[1])): print('drives', flush=True); sys.stdin.read()"
+    other = subprocess.Popen(
+        [sys.executable, "-c", code, str(tmp_path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    try:
+        assert other.stdout is not None and other.stdout.readline() == "drives\n"
+        told = rf"the process {other.pid} of {getpass.getuser()} on \S+ solves it; end that one first"
+        with pytest.raises(DriverAlive, match=told), local_run_client(tmp_path, 1):
+            pass
+    finally:
+        other.kill()
+        other.wait()
+    with the_local_driver(tmp_path):  # what a killed one left is no hindrance
+        assert json.loads((tmp_path / "driver.json").read_text())["pid"] == os.getpid()
+    assert not (tmp_path / "driver.json").exists()
 
 
 def test_our_own_process_still_sees_ctrl_c(client: Client) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import getpass
 import json
 import os
 import time
@@ -179,17 +180,23 @@ def test_a_second_driver_is_refused_with_the_way_out(commands: Commands, run: Pa
     refuse_second_driver(run)
 
 
+def start_of(pid: int) -> str:
+    return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[19]
+
+
 def test_a_process_that_drives_is_known_until_it_ends(commands: Commands, run: Path) -> None:
     with the_driver(run):
-        record = json.loads((run / "cluster" / "driver.json").read_text())
+        record = json.loads((run / "driver.json").read_text())
         assert record["pid"] == os.getpid()
-        (run / "cluster" / "driver.json").write_text(json.dumps(record | {"pid": os.getppid()}))
-        with pytest.raises(DriverAlive, match=r"the process .* solves it"):
+        (run / "driver.json").write_text(json.dumps(record | {"pid": os.getppid(), "started": start_of(os.getppid())}))
+        with pytest.raises(DriverAlive, match=rf"the process {os.getppid()} of {getpass.getuser()} on \S+ solves it"):
             refuse_second_driver(run)
     assert driver_process(run) is None
-    (run / "cluster" / "driver.json").write_text(json.dumps(record | {"pid": 2**22 + 1}))
+    (run / "driver.json").write_text(json.dumps(record | {"pid": 2**22 + 1}))
     refuse_second_driver(run)  # it was killed
-    (run / "cluster" / "driver.json").write_text(json.dumps(record | {"host": "elsewhere"}))
+    (run / "driver.json").write_text(json.dumps(record | {"pid": os.getppid(), "started": "1"}))
+    refuse_second_driver(run)  # it was killed, and its number is another process's now
+    (run / "driver.json").write_text(json.dumps(record | {"host": "elsewhere"}))
     with pytest.raises(DriverAlive, match=r"on elsewhere solves it; end that one first, or remove .*driver\.json"):
         refuse_second_driver(run)
 
