@@ -6,11 +6,13 @@ import json
 import re
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from benchmarks.clients import drive, starts, walk
+from benchmarks.hostile import bench as hostile
 from benchmarks.infrastructure import faults, overhead, speedup, store
 from benchmarks.online import cpp, map, online, select
 from benchmarks.paper import discovery, minlp, phases, ranking, stances, table1, table2
@@ -56,6 +58,7 @@ def measure(
         ),
         "drive": lambda: drive.run(resolve(workspace.models / scenario.name), seed=seed, **own),
         "faults": partial(faults.faults, scenario, tasks or 12, 20, seed),
+        "hostile": lambda: hostile.run(Path(__file__).parents[1], seed=seed, tasks=tasks),
         "map": partial(_map, workspace, scenario),
         "mesh": lambda: mesh.run(scenario, seed=seed, runs=runs, **own),
         "minlp": lambda: minlp.run(scenario, seed=seed, runs=runs, **own),

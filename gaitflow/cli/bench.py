@@ -13,8 +13,9 @@ from gaitflow.cli.options import json_option
 from gaitflow.pipeline.workspace import Workspace
 
 BENCHES = (
-    "certificate", "clients", "cpp", "discovery", "drive", "faults", "map", "mesh", "minlp", "online", "overhead",
-    "phases", "ranking", "referee", "scaling", "select", "speedup", "stances", "store", "table1", "table2", "walk",
+    "certificate", "clients", "cpp", "discovery", "drive", "faults", "hostile", "map", "mesh", "minlp", "online",
+    "overhead", "phases", "ranking", "referee", "scaling", "select", "speedup", "stances", "store", "table1", "table2",
+    "walk",
 )  # fmt: skip
 PIPED_WIDTH = 160  # a table in a file need not fit a terminal
 DEFAULT_SCENARIO = "half-cheetah-flat-effort"
@@ -57,6 +58,7 @@ def bench(
     ranking    the gaits of each task by cost and what they ask of the robot (after `gaitflow solve`)
     certificate  exhaustive search of some tasks beside their labels (after `gaitflow label`)
     faults     kill -9 of workers and runs
+    hostile    thousands of damaged maps, configurations, datasets, map.bin (or --tasks of each; needs g++)
     store      planning, resuming, checking and packing 10^3 to 10^5 units (or --tasks)
     overhead   what handing out a unit costs, and start-up to the first solve
     speedup    two workers over one on the same units, here or with --profile on Slurm
