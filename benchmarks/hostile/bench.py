@@ -10,6 +10,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from types import ModuleType
@@ -29,6 +30,7 @@ MODELS = (
 )
 DATASET = "tests/data/datasets/half-cheetah-slope20-vibration/1.0.0"
 SAY_EVERY = 50
+ATTEMPTS = 10
 NOTES = (
     "A case is a sound file, damaged in one way by a random number generator of the seed, with digests, seals and "
     "checksums made right again; then read and asked in a forked process with limits of CPU and wall time and memory.",
@@ -41,6 +43,17 @@ NOTES = (
 )
 
 
+@dataclass(frozen=True)
+class _Case:
+    """What was done to a file, and what came of it."""
+
+    what: str
+    outcome: Outcome
+
+    def beside(self, original: Outcome) -> _Case:
+        return _Case(self.what, self.outcome.beside(original))
+
+
 def run(checkout: Path, seed: int = 0, tasks: int | None = None) -> dict[str, Any]:
     """The document: a row a kind of file and of damage. `tasks` is how many cases of each kind there are."""
     rows: list[Row] = []
@@ -48,8 +61,8 @@ def run(checkout: Path, seed: int = 0, tasks: int | None = None) -> dict[str, An
         cases = own if tasks is None else tasks
         with tempfile.TemporaryDirectory(prefix=f"hostile-{kind}-") as folder:
             found = list(_judged(kind, checkout, Path(folder), cases, seed))
-        for what in sorted({each for each, _ in found}):
-            outcomes = [outcome for each, outcome in found if each == what]
+        for what in sorted({case.what for case in found}):
+            outcomes = [case.outcome for case in found if case.what == what]
             faults = [f"{each.verdict}: {each.told}" for each in outcomes if each.verdict not in GOOD]
             rows.append({"kind": kind, "what": what, **_counts(outcomes), "faults": faults[:5]})
     return document("hostile", None, rows, summarise(rows) | {"seed": seed}, NOTES)
@@ -68,13 +81,12 @@ def summarise(rows: list[Row]) -> Row:
 
 
 def _counts(outcomes: list[Outcome]) -> dict[str, int]:
-    verdicts = Counter(each.verdict for each in outcomes)
+    verdicts = Counter(str(each.verdict) for each in outcomes)
     faults = {verdict: count for verdict, count in verdicts.items() if verdict not in GOOD}
     return {"cases": len(outcomes), **{good: verdicts[good] for good in GOOD}, "fault": sum(faults.values()), **faults}
 
 
-def _judged(kind: str, checkout: Path, scratch: Path, cases: int, seed: int) -> Iterator[tuple[str, Outcome]]:
-    """What was done to each file, and what came of it."""
+def _judged(kind: str, checkout: Path, scratch: Path, cases: int, seed: int) -> Iterator[_Case]:
     done = _of_map_bin if kind == "map_bin" else _of_folders
     for number, judged in enumerate(done(kind, checkout, scratch, cases, seed)):
         if number % SAY_EVERY == 0:
@@ -82,7 +94,7 @@ def _judged(kind: str, checkout: Path, scratch: Path, cases: int, seed: int) -> 
         yield judged
 
 
-def _of_folders(kind: str, checkout: Path, scratch: Path, cases: int, seed: int) -> Iterator[tuple[str, Outcome]]:
+def _of_folders(kind: str, checkout: Path, scratch: Path, cases: int, seed: int) -> Iterator[_Case]:
     modules: dict[str, ModuleType] = {"maps": maps, "configs": configs, "datasets": datasets}
     module, originals = modules[kind], list[tuple[Path, Outcome]]()
     for i, source in enumerate(_sources(kind, checkout, scratch)):
@@ -93,18 +105,24 @@ def _of_folders(kind: str, checkout: Path, scratch: Path, cases: int, seed: int)
         originals.append((folder, original))
     for number in range(cases):
         folder, original = originals[number % len(originals)]
-        chance = random.Random(f"{seed} {kind} {number}")
-        with _case(folder, scratch) as (case, outside):
-            damage = ask(partial(module.damage, case, outside, chance), ())  # forked, as libraries start threads
+        yield _one(module, folder, scratch, number, f"{seed} {kind} {number}").beside(original)
+
+
+def _one(module: ModuleType, sound: Path, scratch: Path, number: int, seed: str) -> _Case:
+    """A copy of the sound folder, damaged and asked; damage that its own writer refuses is not one, so another is."""
+    for attempt in range(ATTEMPTS):
+        with _copied(sound, scratch) as (folder, outside):
+            chance = random.Random(f"{seed} {attempt}")
+            damage = ask(partial(module.damage, folder, outside, chance), ())  # forked, as libraries start threads
             if damage.verdict != "same answer":
-                raise RuntimeError(f"{kind} {number}: could not be damaged: {damage}")
+                continue
             with _watched(outside) as was_read:
-                outcome = ask(partial(module.ask, case, number), module.REFUSALS)
-            outcome = Outcome("outside", outcome.told) if was_read() else outcome.beside(original)
-        yield str(damage.told), outcome
+                outcome = ask(partial(module.ask, folder, number), module.REFUSALS)
+            return _Case(str(damage.told), Outcome("outside", outcome.told) if was_read() else outcome)
+    raise RuntimeError(f"{sound} could not be damaged by the seed {seed!r}: {damage}")
 
 
-def _of_map_bin(kind: str, checkout: Path, scratch: Path, cases: int, seed: int) -> Iterator[tuple[str, Outcome]]:
+def _of_map_bin(kind: str, checkout: Path, scratch: Path, cases: int, seed: int) -> Iterator[_Case]:
     program, file = map_bin.built(checkout, scratch / "ask_map"), scratch / "map.bin"
     originals = []
     for model in MODELS:
@@ -118,7 +136,7 @@ def _of_map_bin(kind: str, checkout: Path, scratch: Path, cases: int, seed: int)
         content, original = originals[number % len(originals)]
         what, bad = map_bin.damaged(content, random.Random(f"{seed} {kind} {number}"))
         file.write_bytes(bad)
-        yield what, map_bin.ask(program, file, _places()).beside(original)
+        yield _Case(what, map_bin.ask(program, file, _places())).beside(original)
 
 
 def _places() -> str:
@@ -136,7 +154,7 @@ def _sources(kind: str, checkout: Path, scratch: Path) -> list[Path]:
 
 
 @contextmanager
-def _case(sound: Path, scratch: Path) -> Iterator[tuple[Path, Path]]:
+def _copied(sound: Path, scratch: Path) -> Iterator[tuple[Path, Path]]:
     """A copy to damage, and a folder beside it that nothing may read from."""
     with tempfile.TemporaryDirectory(dir=scratch) as folder:
         outside = Path(folder) / "outside"

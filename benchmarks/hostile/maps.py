@@ -64,7 +64,7 @@ def ask(folder: Path, number: int) -> Any:
     gait_map, said = GaitMap.load(folder), []
     axes = gait_map.manifest.domain.axes
     for part in PLACES:
-        task = {axis: values[0] + part * (values[-1] - values[0]) for axis, values in axes.items()}
+        task: dict[str, Any] = {axis: values[0] + part * (values[-1] - values[0]) for axis, values in axes.items()}
         choice = gait_map.select(**task)
         start = None if choice.gait is None else choice.warm_start
         if start is not None:
@@ -76,7 +76,8 @@ def ask(folder: Path, number: int) -> Any:
     for gait in gait_map.gaits:
         _check(gait_map.mean_start(gait.name, 0.6))
     if number % PLAN_EVERY == 0:
-        plan = gait_map.plan(**gait_map.manifest.domain.middle)
+        middle: dict[str, Any] = gait_map.manifest.domain.middle
+        plan = gait_map.plan(**middle)
         if plan.feasible and not np.isfinite(plan.cost):
             raise Unsound(f"a feasible plan of the cost {plan.cost}")
     return said
@@ -142,7 +143,9 @@ def _damaged_graph(content: bytes, outside: Path, chance: random.Random) -> tupl
             value = np.array(numpy_helper.to_array(chosen))
             if value.dtype.kind == "f":
                 with np.errstate(all="ignore"):
-                    value = chance.choice([value * np.float32(1e30), value * np.float32("nan"), value[..., :1], -value])
+                    value = chance.choice(
+                        [value * np.float32(1e30), value * np.float32("nan"), value.ravel()[:1], -value]
+                    )
             chosen.CopyFrom(numpy_helper.from_array(np.ascontiguousarray(value), chosen.name))
         case "input" if node.input:
             others = [*node.output, *(each.name for each in graph.input)]

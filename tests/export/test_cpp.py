@@ -186,9 +186,10 @@ def resealed(content: bytes) -> bytes:
         (lambda content: content[:8] + struct.pack("<I", 1) + content[12:], "has format 1, this reader knows format 5"),
         (lambda content: resealed(content + b"\0" * 8), "something follows after its end"),
         (lambda content: resealed(content[:-8]), "longer than the file"),
+        (lambda content: resealed(content[:-16] + struct.pack("<ff", 3e38, 3e38) + content[-8:]), "beyond 1e15"),
         (lambda content: resealed(content[:56] + struct.pack("<Q", 2**63) + content[64:]), "a text is too long"),
     ],
-    ids=["short", "long", "empty", "other", "flipped", "digest", "older", "more", "less", "huge text"],
+    ids=["short", "long", "empty", "other", "flipped", "digest", "older", "more", "less", "huge number", "huge text"],
 )  # fmt: skip
 def test_a_damaged_file_is_refused(guarded: Path, exported: Exported, tmp_path: Path, spoil: Any, says: str) -> None:
     content = (exported.folder / "map.bin").read_bytes()

@@ -11,8 +11,9 @@ from sheets import AXES, LAYOUT, ROWS, atlas, sheet_of, space
 from tiny_map import TinyMap
 
 from gaitflow.runtime import ArtifactError
-from gaitflow.runtime.atlas import Atlas, Sheet
+from gaitflow.runtime.atlas import Atlas, Prediction, Sheet
 from gaitflow.runtime.atlas_file import MAX_MODES, MAX_SHEETS, atlas_bytes, parse_atlas
+from gaitflow.runtime.strict import LARGEST
 from gaitflow.solvers.point import GaitSpace
 
 GAITS = 2
@@ -74,11 +75,16 @@ def refused_or_sound(content: bytes) -> None:
     with np.errstate(all="ignore"):
         for place in PLACES:
             for number in made.ranked(place):
-                found = made.predict(number, place)
-                made.sheets[number].space.decode(found.point)
+                finite_start(made, number, made.predict(number, place))
             for number in range(len(made.sheets)):
-                made.nearest(number, place, 2)
+                for found in made.nearest(number, place, 2):
+                    finite_start(made, number, found)
             made.least_costs(place)
+
+
+def finite_start(made: Atlas, number: int, found: Prediction) -> None:
+    own = made.sheets[number].space
+    assert all(np.isfinite(each).all() for each in own.join(own.decode(found.point), found.cost))
 
 
 @given(st.lists(st.tuples(positions, st.integers(0, 7)), min_size=1, max_size=4))
@@ -154,6 +160,8 @@ def changed(**values: object) -> bytes:
         ({"n0_of_lower_rows": -np.inf, "n0_of_upper_rows": -np.inf}, "infinite"),
         ({"n1_of_tasks": 25.0}, "sheet 1 has a node that is no physical task"),
         ({"n0_of_costs": 0.0}, "a cost that is not positive"),
+        ({"n0_of_costs": 1e308}, "0.costs holds a value that is not finite, or beyond 1e+15"),
+        ({"n0_of_upper": 1e308}, "0.upper holds a value that is not finite, or beyond 1e+15"),
         ({"n0_of_tear": -1.0}, "a negative tear"),
         ({"n0_of_mean": np.nan}, "0.mean holds a value that is not finite"),
         ({"n0_of_tangents": np.inf}, "0.tangents holds a value that is not finite"),
@@ -169,6 +177,18 @@ def test_a_wrong_value_is_named(values: dict[str, object], fault: str) -> None:
     with pytest.raises(ArtifactError) as caught:
         parse(changed(**values))
     assert fault in str(caught.value)
+
+
+def test_the_largest_numbers_that_a_file_may_hold_give_finite_starts() -> None:
+    names = ("costs", "slopes", "mean", "modes", "coordinates", "tangents", "tear")
+    for sign in (1, -1):
+        most = {f"n{n}_of_{name}": LARGEST * 0.9 for n in (0, 1) for name in names}
+        made = parse(changed(**most | {f"n{n}_of_slopes": sign * LARGEST for n in (0, 1)}))
+        for place in PLACES:
+            for number in made.ranked(place):
+                finite_start(made, number, made.predict(number, place))
+            for number in (0, 1):
+                finite_start(made, number, made.nearest(number, place, 2)[-1])
 
 
 def test_axes_are_those_of_the_map() -> None:
