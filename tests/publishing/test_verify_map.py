@@ -97,7 +97,7 @@ def test_a_missing_folder_is_bad_input(tmp_path: Path) -> None:
     ("field", "value", "fault"),
     [
         ("scenario_digest", "0" * 64, "scenario_digest is 000"),
-        ("cost_scale", -1.0, "cost_scale = -1.0: must be a finite number above 0"),
+        ("cost_scale", -1.0, "cost_scale = -1.0: must be a number above 0"),
         ("created", "yesterday", "must be UTC such as"),
         ("gaits", [], "gaits = []: must be a list of 1"),
         ("extra", 1, "unknown field 'extra'"),

@@ -148,7 +148,7 @@ def test_a_function_of_something_else_is_refused(second: Path) -> None:
         (("layout", "legs"), ["F"], "layout.legs"),
         (("domain", "speed"), [0.1, 0.1], "each above the one before"),
         (("scenario", "terrain"), {}, "without tasks.axes"),
-        (("scenario", "robot"), {}, "a sound robot.dimension"),
+        (("scenario", "robot"), {}, "scenario.robot.name: is missing"),
     ],
 )
 def test_a_wrong_field_is_named(second: Path, path: tuple[str, ...], value: object, fault: str) -> None:

@@ -80,7 +80,7 @@ def test_a_scenario_that_makes_another_problem_names_both_versions(artifact: Pat
 
 
 def test_a_scenario_that_is_none_any_more_is_refused(artifact: Path) -> None:
-    rewritten(artifact, objective={"comfort": 1.0})
+    rewritten(artifact, objective={"force": 0.0})
     with pytest.raises(ArtifactError, match=r"objective.*published by gaitflow 0\.0\.9"):
         GaitMap.load(artifact).plan(0.9, 0.6)
 
