@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from reprlib import repr as short
 from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
@@ -57,7 +58,7 @@ OURS = {
 
 def _walltime(text: str) -> str:
     if walltime_seconds(text) < 60:
-        raise ValueError(f'{text!r}: at least one minute, "00:01:00"')
+        raise ValueError(f'{short(text)}: at least one minute, "00:01:00"')
     return text
 
 
@@ -65,46 +66,46 @@ def walltime_seconds(text: str) -> int:
     """Seconds in "HH:MM:SS" or "D-HH:MM:SS". Raises ValueError for anything else."""
     match = _WALLTIME.fullmatch(text)
     if match is None:
-        raise ValueError(f'{text!r}: must be "HH:MM:SS" or "D-HH:MM:SS", such as "48:00:00" or "2-00:00:00"')
+        raise ValueError(f'{short(text)}: must be "HH:MM:SS" or "D-HH:MM:SS", such as "48:00:00" or "2-00:00:00"')
     days, hours, minutes, seconds = (int(part or 0) for part in match.groups())
     return ((days * 24 + hours) * 60 + minutes) * 60 + seconds
 
 
 def _memory(text: str) -> str:
     if not re.fullmatch(r"[1-9][0-9]{0,5}[MGT]B", text):
-        raise ValueError(f"{text!r}: must be a whole number of MB, GB or TB without a space, such as 2GB")
+        raise ValueError(f"{short(text)}: must be a whole number of MB, GB or TB without a space, such as 2GB")
     return text
 
 
 def _quoted(value: Any) -> Any:
     # YAML reads 48:00:00 without quotes as a number to the base of 60.
     if isinstance(value, int | float) and not isinstance(value, bool):
-        raise ValueError(f'{value!r} is a number to YAML: write the time in quotes, such as "48:00:00"')
+        raise ValueError(f'{short(value)} is a number to YAML: write the time in quotes, such as "48:00:00"')
     return value
 
 
 def _directive(text: str) -> str:
     match = _OPTION.fullmatch(text)
     if match is None:
-        raise ValueError(f'{text!r}: must be one option in full, such as "--qos=long" or "--exclusive"')
+        raise ValueError(f'{short(text)}: must be one option in full, such as "--qos=long" or "--exclusive"')
     if _LINE_BREAKS.search(text) or "#" in text:
-        raise ValueError(f"{text!r}: must be one line without #")
+        raise ValueError(f"{short(text)}: must be one line without #")
     # sbatch takes any beginning of an option that leaves no doubt, so --ti would be --time.
     taken = next((option for option in OURS if option.startswith(match[1])), None)
     if taken is not None:
-        raise ValueError(f"{text!r}: --{taken} is set by gaitflow: {OURS[taken]}")
+        raise ValueError(f"{short(text)}: --{taken} is set by gaitflow: {OURS[taken]}")
     return text
 
 
 def _one_line(text: str) -> str:
     if not text.strip() or _LINE_BREAKS.search(text):
-        raise ValueError(f"{text!r}: must be one line of shell; give several lines as several items")
+        raise ValueError(f"{short(text)}: must be one line of shell; give several lines as several items")
     return text
 
 
 def _driver_walltime(text: str) -> str:
     if walltime_seconds(text) < MIN_DRIVER_S:
-        raise ValueError(f'{text!r}: at least five minutes for the driver, "00:05:00"')
+        raise ValueError(f'{short(text)}: at least five minutes for the driver, "00:05:00"')
     return text
 
 

@@ -113,3 +113,10 @@ def test_the_longest_unit_and_the_margin_fit_behind_every_lifetime(longest: floa
 def test_a_worker_lives_for_half_of_a_walltime_that_is_too_short() -> None:
     life, stagger = lifetime(profile(), 3600.0)
     assert life + stagger == pytest.approx(1800.0) and life - stagger > 1000
+
+
+@pytest.mark.parametrize("field", ["walltime", "memory"])
+def test_a_text_of_any_length_is_told_in_short(field: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        profile(**{field: "x" * 5000})
+    assert f"{field}: 'xxx" in str(caught.value) and len(str(caught.value)) < 200
