@@ -11,16 +11,15 @@ from pathlib import Path
 import click
 
 from gaitflow.cli.errors import bad_input, fail, print_json
-from gaitflow.cli.options import json_option
-from gaitflow.config.file import ConfigError
-from gaitflow.pipeline.workspace import Workspace
+from gaitflow.cli.options import found_profile, json_option
+from gaitflow.pipeline.workspace import Workspace, from_anywhere
 
 profile_option = click.option(
     "--profile",
     "profile_file",
     required=True,
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="The cluster and how much of it to use, such as slurm/profiles/centre-48h.yaml.",
+    callback=found_profile,
+    help="The cluster and how much of it to use: a profile's file, or the name of one that ships.",
 )
 
 
@@ -45,13 +44,9 @@ def submit(workspace: Workspace, scenario: str, profile_file: Path, dry_run: boo
 
     with bad_input(), _slurm_errors():
         resolved = workspace.scenario(scenario)
-        if workspace.scenario(resolved.name) != resolved:
-            raise ConfigError(
-                f"{scenario}: differs from configs/scenarios/{resolved.name}.yaml; the driver uses that one"
-            )
         folder = workspace.run(resolved).folder
         longest = longest_unit_s(plan_units(resolved))
-        submission = prepare(workspace.root, folder, resolved.name, profile_file, longest)
+        submission = prepare(workspace.root, folder, from_anywhere(scenario), profile_file, longest)
         job = None if dry_run else submit_run(submission)
     scripts = {"driver": submission.driver, "worker": submission.worker, "workers": submission.profile.jobs}
     if as_json:

@@ -14,6 +14,7 @@ try:
     from gaitflow.cli.compact import compact
     from gaitflow.cli.drive import drive
     from gaitflow.cli.export import export
+    from gaitflow.cli.init import init
     from gaitflow.cli.labels import labels
     from gaitflow.cli.paper import paper
     from gaitflow.cli.plan import plan
@@ -26,6 +27,7 @@ except ImportError as error:
     sys.exit(f'gaitflow: the command line needs more than the runtime ({error}): pip install "gaitflow[all]"')
 
 COMMANDS = (
+    init,
     run, solve, label, atlas, train, publish, report,  # a map's stages
     submit, cancel, doctor, compact,  # on a cluster
     plan, labels, show, export, walk, drive,  # what a map is for
@@ -39,7 +41,7 @@ COMMANDS = (
     "--root",
     default=".",
     type=click.Path(exists=True, file_okay=False, path_type=Path),
-    help="The folder with configs/; runs/, datasets/ and models/ grow beside it.",
+    help="The workspace: its configs/ come before what ships; runs/, datasets/ and models/ grow in it.",
 )
 @click.pass_context
 def main(context: click.Context, root: Path) -> None:

@@ -10,6 +10,8 @@ from typing import Any, TypeVar
 
 import click
 
+from gaitflow import shipped
+from gaitflow.config.file import meant
 from gaitflow.core.task import AXES, Axis
 from gaitflow.pipeline.snakemake import PROFILE
 
@@ -19,12 +21,27 @@ SHORT = {"cycle_duration": "--cycle"}  # beside the axis' own name
 
 scenario_argument = click.argument("scenario")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
+
+
+def found_profile(context: click.Context, parameter: click.Parameter, name: str | None) -> Path | None:
+    """The file of a cluster's profile: a path, or the name of one that ships."""
+    if name is None or name.endswith((".yaml", ".yml")):
+        return None if name is None else Path(name)
+    known = {file.stem: file for file in shipped.PROFILES.glob("*.yaml")}
+    if name not in known:
+        raise click.BadParameter(
+            f"{name!r}: no profile that ships{meant(name, known)} there are {', '.join(sorted(known))}; a path ending "
+            "in .yaml works too"
+        )
+    return known[name]
+
+
 profile_option = click.option(
     "--profile",
     "profile_file",
     envvar=PROFILE,
-    type=click.Path(dir_okay=False, path_type=Path),
-    help="Solve on the jobs of a Slurm cluster instead, such as slurm/profiles/centre-48h.yaml.",
+    callback=found_profile,
+    help="Solve on the jobs of a Slurm cluster instead: a profile's file, or the name of one that ships.",
 )
 workers_option = click.option("--workers", default=2, show_default=True, type=click.IntRange(1, 1024))
 

@@ -35,7 +35,7 @@ def run(workspace: Workspace, scenario: str, workers: int, profile_file: Path | 
         resolved = workspace.scenario(scenario)
         if profile_file is not None:
             load_profile(profile_file)
-        if not run_workflow(workspace, resolved.name, workers, dry_run, profile_file):
+        if not run_workflow(workspace, resolved, scenario, workers, dry_run, profile_file):
             fail(f"the workflow of {resolved.name} did not finish; what is done is kept, the same command goes on")
     if dry_run:
         return

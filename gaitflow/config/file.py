@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from pathlib import Path
 from reprlib import repr as short
@@ -68,6 +68,12 @@ def require_mapping(data: Any, source: str) -> dict[str, Any]:
     raise ConfigError(f"{source}: expected a mapping of fields (`field: value` lines), found {found}")
 
 
+def meant(name: Any, known: Iterable[str]) -> str:
+    """What an error puts between a name that it does not know and those it does: the nearest one, or a semicolon."""
+    near = get_close_matches(str(name), list(known), 1)
+    return f", did you mean {near[0]}?" if near else ";"
+
+
 def _to_json(data: Any, source: str) -> str:
     try:
         return json.dumps(data, allow_nan=True)
@@ -86,8 +92,7 @@ def _explain(model: type[BaseModel], item: Any) -> str:
     given = f"{field} = {short(value)}" if field else "whole file"
     if kind == "extra_forbidden":
         allowed = _fields_at(model, loc[:-1])
-        meant = get_close_matches(str(loc[-1]), allowed, 1)
-        return f"{given}: unknown field{f', did you mean {meant[0]}?' if meant else ';'} allowed: {', '.join(allowed)}"
+        return f"{given}: unknown field{meant(loc[-1], allowed)} allowed: {', '.join(allowed)}"
     message = item["msg"].replace("None", "null")
     if kind in ("float_type", "int_type") and isinstance(value, str):
         message += "; this is text: write it without quotes, and an exponent as in 1.0e+6"

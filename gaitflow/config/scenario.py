@@ -15,8 +15,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
+from gaitflow import shipped
 from gaitflow.config.axes import Range, Tasks
-from gaitflow.config.file import Config, ConfigError, read_yaml, require_mapping
+from gaitflow.config.file import Config, ConfigError, meant, read_yaml, require_mapping
 from gaitflow.config.robot import Robot, load_robot
 from gaitflow.core.gaits import Symmetry
 from gaitflow.core.task import AXES, Task
@@ -281,17 +282,24 @@ def digest_of(data: Any) -> str:
 def load_scenario(path: Path, robots: Path | None = None) -> Scenario:
     """Read a scenario YAML and the robot it names.
 
-    `robots` is the folder of robot files; by default `../robots` beside the scenario's folder.
+    A robot that ends in .yaml is a file, its path relative to the scenario's folder. Any other is looked for in the
+    folder `robots`, in `../robots` beside the scenario's folder, and among the robots that ship.
     Raises ConfigError that names the file, the field, the value and what is allowed.
     """
     data = dict(require_mapping(read_yaml(path), str(path)))
-    folder = robots or path.resolve().parent.parent / "robots"
     if "robot" not in data:
         return Scenario.from_data(data, str(path))  # raises: every scenario names a robot
-    name = data["robot"]
-    known = sorted(file.stem for file in folder.glob("*.yaml"))
-    if not isinstance(name, str) or name not in known:
-        allowed = ", ".join(known) or f"none, as {folder} holds no .yaml file"
-        raise ConfigError(f"{path}: robot = {short(name)}: unknown robot; allowed: {allowed}")
-    data["robot"] = load_robot(folder / f"{name}.yaml").as_data()
+    data["robot"] = load_robot(_robot_file(path, data["robot"], robots)).as_data()
     return Scenario.from_data(data, str(path))
+
+
+def _robot_file(scenario: Path, name: Any, robots: Path | None) -> Path:
+    if isinstance(name, str) and name.endswith((".yaml", ".yml")):
+        return scenario.parent / name
+    folders = ([] if robots is None else [robots]) + [scenario.resolve().parent.parent / "robots", shipped.ROBOTS]
+    known = {file.stem: file for folder in reversed(folders) for file in folder.glob("*.yaml")}
+    if isinstance(name, str) and name in known:
+        return known[name]
+    raise ConfigError(
+        f"{scenario}: robot = {short(name)}: unknown robot{meant(name, known)} allowed: {', '.join(sorted(known))}"
+    )

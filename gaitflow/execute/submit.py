@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gaitflow.config.cluster import Profile, load_profile
-from gaitflow.config.file import ConfigError
 from gaitflow.execute.drivers import refuse_second_driver
 from gaitflow.execute.schedulers.jobs import check, submit
 from gaitflow.execute.schedulers.scripts import driver_script, worker_script
@@ -25,13 +24,8 @@ class Submission:
 
 
 def prepare(root: Path, run_folder: Path, scenario: str, profile_file: Path, longest_unit_s: float) -> Submission:
-    """The exact scripts of a run; nothing is written. Raises ConfigError."""
+    """The exact scripts of a run of `scenario`, a name or a whole path; nothing is written. Raises ConfigError."""
     profile = load_profile(profile_file)
-    if not (root / "workflow" / "Snakefile").is_file():
-        raise ConfigError(
-            f"{root / 'workflow' / 'Snakefile'}: no such file; `gaitflow submit` belongs into a checkout, "
-            "elsewhere give the stages one by one, the first with `gaitflow solve --profile`"
-        )
     driver = driver_script(profile, run_folder, root, scenario, _kept_profile(run_folder))
     scheduler = f"{'tls' if profile.tls else 'tcp'}://SCHEDULER:PORT"
     worker = worker_script(profile, run_folder, "SESSION-NUMBER", scheduler, longest_unit_s)

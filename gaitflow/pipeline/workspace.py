@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from gaitflow.config.file import ConfigError
+from gaitflow import shipped
+from gaitflow.config.file import ConfigError, meant
 from gaitflow.config.scenario import Scenario, load_scenario
 
 
@@ -63,7 +64,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Workspace:
-    """A folder with `configs/`, where `runs/`, `datasets/` and `models/` grow."""
+    """A folder where `runs/`, `datasets/` and `models/` grow; what is in its `configs/` comes before what ships."""
 
     root: Path
 
@@ -87,21 +88,35 @@ class Workspace:
         return Run(self.root / "runs" / scenario.name)
 
     def scenario(self, name: str) -> Scenario:
-        """The scenario called `name` in configs/scenarios, or in a YAML file of that path.
+        """The scenario called `name` in configs/scenarios or among those that ship, or in a YAML file of that path.
 
+        A robot of the workspace comes before one of the same name that ships.
         Raises ConfigError when there is none, listing those there are, and when the file cannot be used.
         """
-        folder = self.root / "configs" / "scenarios"
-        robots = self.root / "configs" / "robots"
-        if name.endswith((".yaml", ".yml")):
-            return load_scenario(Path(name), robots if robots.is_dir() else None)
-        known = sorted(path.stem for path in folder.glob("*.yaml"))
-        if name not in known:
-            there = f"there are {', '.join(known)}" if known else "it holds none"
-            raise ConfigError(f"scenario {name!r}: no such file in {folder}; {there}; a path ending in .yaml works too")
-        scenario = load_scenario(folder / f"{name}.yaml", robots)
-        if scenario.name != name:
-            raise ConfigError(
-                f"{folder / name}.yaml: name = {scenario.name!r}: must be {name!r}, as the file is called"
-            )
+        file = self._scenario_file(name)
+        scenario = load_scenario(file, self.root / "configs" / "robots")
+        if not is_path(name) and scenario.name != name:
+            raise ConfigError(f"{file}: name = {scenario.name!r}: must be {name!r}, as the file is called")
         return scenario
+
+    def _scenario_file(self, name: str) -> Path:
+        if is_path(name):
+            return Path(name)
+        own = self.root / "configs" / "scenarios"
+        known = {file.stem: file for folder in (shipped.SCENARIOS, own) for file in folder.glob("*.yaml")}
+        if name not in known:
+            raise ConfigError(
+                f"scenario {name!r}: neither in {own} nor one that ships{meant(name, known)} there are "
+                f"{', '.join(sorted(known))}; a path ending in .yaml works too"
+            )
+        return known[name]
+
+
+def is_path(name: str) -> bool:
+    """Whether a scenario is named by the path of its file."""
+    return name.endswith((".yaml", ".yml"))
+
+
+def from_anywhere(name: str) -> str:
+    """The same scenario for a process in another folder: its name, or the whole path of its file."""
+    return str(Path(name).resolve()) if is_path(name) else name

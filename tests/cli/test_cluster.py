@@ -17,8 +17,8 @@ PROFILE = "slurm/profiles/test-cluster.yaml"
 
 @pytest.fixture
 def project(tmp_path: Path, checkout: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A checkout's files, and Slurm commands that answer as told and write down what they were asked."""
-    for name in ("configs", "workflow", "slurm"):
+    """A workspace with a profile, and Slurm commands that answer as told and write down what they were asked."""
+    for name in ("configs", "slurm"):
         shutil.copytree(checkout / name, tmp_path / name)
     folder = tmp_path / "bin"
     folder.mkdir()
@@ -119,19 +119,21 @@ def test_a_faulty_profile_is_bad_input(project: Path, command: list[str]) -> Non
     assert done.exit_code == 2 and "missing.yaml: cannot be read" in done.output
 
 
-def test_a_scenario_that_the_driver_would_not_find_is_bad_input(project: Path) -> None:
+def test_the_driver_gets_the_whole_path_of_a_scenario_s_file(project: Path) -> None:
     text = (project / "configs/scenarios/quickstart.yaml").read_text()
-    (project / "mine.yaml").write_text(text + "\n")
-    assert gaitflow("submit", "mine.yaml", "--profile", PROFILE, "--dry-run").exit_code == 0, "the same in other words"
     (project / "mine.yaml").write_text(text.replace("name: quickstart", "name: mine"))
     done = gaitflow("submit", "mine.yaml", "--profile", PROFILE, "--dry-run")
-    assert done.exit_code == 2 and "scenario 'mine'" in done.output
+    assert done.exit_code == 0
+    assert f"solve {project / 'mine.yaml'} --profile {project / 'runs/mine/cluster/profile.yaml'}" in done.output
 
 
-def test_submit_belongs_into_a_checkout(project: Path) -> None:
-    shutil.rmtree(project / "workflow")
-    done = gaitflow("submit", "quickstart", "--profile", PROFILE)
-    assert done.exit_code == 2 and "gaitflow solve --profile" in done.output
+def test_a_profile_that_ships_is_found_by_name(project: Path) -> None:
+    for name in ("configs", "slurm"):
+        shutil.rmtree(project / name)
+    done = gaitflow("submit", "quickstart", "--profile", "centre-48h", "--dry-run")
+    assert done.exit_code == 0 and "#SBATCH --time=48:00:00" in done.output
+    unknown = gaitflow("submit", "quickstart", "--profile", "centre-47h", "--dry-run")
+    assert unknown.exit_code == 2 and "did you mean centre-48h?" in unknown.output
 
 
 def test_cancel_ends_the_run_s_jobs_and_only_them(project: Path) -> None:

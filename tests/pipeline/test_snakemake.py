@@ -11,6 +11,9 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
+
+from gaitflow.cli import main
 
 STAGES = ("solve", "label", "atlas", "train", "publish", "report")
 # In the order the stages write them.
@@ -125,3 +128,18 @@ def test_stages_form_one_chain(workspace: Path) -> None:
     edges = {(names[a], names[b]) for a, b in re.findall(r"(\d+) -> (\d+)", graph)}
     assert set(pairwise(STAGES)) <= edges
     assert all(STAGES.index(a) < STAGES.index(b) for a, b in edges if b != "all")
+
+
+@pytest.mark.parametrize("given", ["quickstart", "elsewhere/mine.yaml"])
+def test_run_needs_no_file_of_the_workspace(
+    given: str, checkout: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    text = (checkout / "configs/scenarios/quickstart.yaml").read_text(encoding="utf-8")
+    (tmp_path / "elsewhere" / "mine.yaml").write_text(text.replace("name: quickstart", "name: mine"), encoding="utf-8")
+    (tmp_path / "workspace").mkdir()
+    monkeypatch.chdir(tmp_path)
+    done = CliRunner().invoke(main, ["--root", "workspace", "run", given, "--dry-run"])
+    assert done.exit_code == 0, capfd.readouterr().err
+    (folder,) = (tmp_path / "workspace" / "runs").iterdir()
+    assert folder.name == Path(given).stem and (folder / "stamps" / "problem.json").is_file()

@@ -22,8 +22,7 @@ ENDS_WITHIN_S = 600.0
 
 
 def workspace(root: Path, checkout: Path) -> Path:
-    for folder in ("configs", "workflow"):
-        shutil.copytree(checkout / folder, root / folder)
+    shutil.copytree(checkout / "configs", root / "configs")
     file = root / "configs" / "scenarios" / "quickstart.yaml"
     data = yaml.safe_load(file.read_text())
     data["transcription"]["knots_per_phase"] = 3

@@ -6,5 +6,7 @@ rule atlas:
     output:
         "runs/{scenario}/learning/atlas.safetensors",
         "runs/{scenario}/learning/atlas.json",
+    params:
+        scenario=named,
     shell:
-        "gaitflow atlas {wildcards.scenario}"
+        "gaitflow atlas {params.scenario:q}"

@@ -7,7 +7,7 @@ from functools import cache
 from pathlib import Path
 
 from gaitflow.config.file import ConfigError
-from gaitflow.config.scenario import load_scenario
+from gaitflow.pipeline.workspace import Workspace
 
 
 wildcard_constraints:
@@ -18,10 +18,18 @@ wildcard_constraints:
 shell.prefix(f'export PATH="{Path(sys.executable).parent}:$PATH"; ')
 
 
+# Scenarios that are given by the path of their file, by their name.
+FILES = config.get("files", {})
+
+
+def named(wildcards):
+    return FILES.get(wildcards.scenario, wildcards.scenario)
+
+
 @cache
 def parts_of(name):
     try:
-        data = load_scenario(Path(f"configs/scenarios/{name}.yaml")).as_data()
+        data = Workspace(Path()).scenario(FILES.get(name, name)).as_data()
     except ConfigError as error:
         raise WorkflowError(str(error)) from None
     learning = data.pop("learning")

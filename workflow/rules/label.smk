@@ -5,5 +5,7 @@ rule label:
     output:
         "runs/{scenario}/labels.parquet",
         "runs/{scenario}/gait_costs.parquet",
+    params:
+        scenario=named,
     shell:
-        "gaitflow label {wildcards.scenario}"
+        "gaitflow label {params.scenario:q}"

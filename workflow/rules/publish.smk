@@ -9,5 +9,7 @@ rule publish:
         "runs/{scenario}/learning/atlas.json",
     output:
         "runs/{scenario}/published.json",
+    params:
+        scenario=named,
     shell:
-        "gaitflow publish {wildcards.scenario}"
+        "gaitflow publish {params.scenario:q}"

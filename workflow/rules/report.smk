@@ -6,5 +6,7 @@ rule report:
         "runs/{scenario}/published.json",
     output:
         "runs/{scenario}/report/index.html",
+    params:
+        scenario=named,
     shell:
-        "gaitflow report {wildcards.scenario}"
+        "gaitflow report {params.scenario:q}"

@@ -6,5 +6,7 @@ rule solve:
     output:
         "runs/{scenario}/solutions.parquet",
     threads: 2
+    params:
+        scenario=named,
     shell:
-        "gaitflow solve {wildcards.scenario}"
+        "gaitflow solve {params.scenario:q}"

@@ -9,5 +9,7 @@ rule train:
         "runs/{scenario}/learning/learning.json",
         "runs/{scenario}/learning/classifier.onnx",
     threads: 2
+    params:
+        scenario=named,
     shell:
-        "gaitflow train {wildcards.scenario}"
+        "gaitflow train {params.scenario:q}"

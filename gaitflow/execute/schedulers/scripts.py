@@ -105,7 +105,7 @@ def worker_script(
 def driver_script(
     profile: Profile, run_folder: Path, root: Path, scenario: str, profile_file: Path, python: str = sys.executable
 ) -> str:
-    """The job that runs the workflow of `scenario` in the checkout `root`: solve on Slurm, then all other stages.
+    """The job that runs the workflow of `scenario` in the workspace `root`: solve on Slurm, then all other stages.
 
     Stopped before its walltime, preempted, lost with its node or killed, it goes back to the queue and then goes on
     from the store. Raises ValueError for a folder that no script can name.
