@@ -40,7 +40,7 @@ EXTRAS = {
     "execute/": ("solve", "workflow"),
     "export/": ("solve", "learn"),
     "atlas/": ("solve", "learn"),
-    "learn/": ("solve", "learn"),
+    "learn/": ("solve", "learn", "mlp"),
     "report/": ("solve", "workflow", "report"),
     "urdf/": ("robots",),
     "clients/": ("clients",),

@@ -40,10 +40,12 @@ def submit(workspace: Workspace, scenario: str, profile_file: Path, dry_run: boo
     """
     from gaitflow.execute.solver import longest_unit_s
     from gaitflow.execute.submit import prepare, submit_run
+    from gaitflow.learn.installed import check_installed
     from gaitflow.store.units import plan_units
 
     with bad_input(), _slurm_errors():
         resolved = workspace.scenario(scenario)
+        check_installed(resolved.learning)
         folder = workspace.run(resolved).folder
         longest = longest_unit_s(plan_units(resolved))
         submission = prepare(workspace.root, folder, from_anywhere(scenario), profile_file, longest)

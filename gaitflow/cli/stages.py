@@ -30,9 +30,11 @@ def run(workspace: Workspace, scenario: str, workers: int, profile_file: Path | 
     Example: gaitflow run quickstart
     """
     from gaitflow.config.cluster import load_profile
+    from gaitflow.learn.installed import check_installed
 
     with bad_input():
         resolved = workspace.scenario(scenario)
+        check_installed(resolved.learning)
         if profile_file is not None:
             load_profile(profile_file)
         if not run_workflow(workspace, resolved, scenario, workers, dry_run, profile_file):

@@ -26,6 +26,8 @@ __all__ = [
     "Learning", "Objective", "Range", "Scenario", "Strategy", "Tasks", "Transcription", "digest_of", "load_scenario"
 ]  # fmt: skip
 
+Classifier = Literal["mlp", "svm", "forest", "knn"]
+CLASSIFIERS: tuple[Classifier, ...] = ("mlp", "svm", "forest", "knn")
 Weight = Annotated[float, Field(ge=0)]
 Count = Annotated[int, Field(ge=1)]
 Widths = Annotated[tuple[Count, ...], Field(min_length=1)]
@@ -135,8 +137,12 @@ class Strategy(Config):
 
 
 class Learning(Config):
-    """Classifiers and their cross-validation (section III.C)."""
+    """Classifiers and their cross-validation (section III.C).
 
+    `methods` are those that compete: the paper's perceptron, support vectors, a random forest, nearest neighbours.
+    """
+
+    methods: Annotated[tuple[Classifier, ...], Field(min_length=1)] = CLASSIFIERS
     folds: Annotated[int, Field(ge=2, le=20)] = 5
     seed: Annotated[int, Field(ge=0)] = 0
     tie_tolerance: Annotated[float, Field(ge=0, lt=0.1)] = 1e-3  # relative cost within which gaits tie
@@ -144,6 +150,12 @@ class Learning(Config):
     learning_rates: Annotated[tuple[Rate, ...], Field(min_length=1)] = (1e-3, 1e-2)
     weight_decays: Annotated[tuple[Weight, ...], Field(min_length=1)] = (1e-4, 1e-2)
     max_epochs: Count = 300
+
+    @model_serializer(mode="wrap")
+    def _without_all_methods(self, data: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Scenarios for which all methods compete are the same data as before there was a choice."""
+        found: dict[str, Any] = data(self)
+        return {key: found[key] for key in found if key != "methods" or self.methods != CLASSIFIERS}
 
 
 class Scenario(Config):

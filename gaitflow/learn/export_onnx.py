@@ -17,7 +17,7 @@ from sklearn.ensemble import RandomForestClassifier
 from sklearn.neighbors import KNeighborsClassifier
 
 from gaitflow.learn.classifier import SMOOTHING, GaitClassifier
-from gaitflow.learn.mlp import SeededClassifier
+from gaitflow.learn.methods import MLP
 
 INPUT = "task"  # float32 [n, axes]: values on the axes with a range
 OUTPUT = "probability"  # float32 [n, classes]
@@ -34,7 +34,7 @@ def to_onnx_bytes(classifier: GaitClassifier) -> bytes:
     Raises ValueError when a weight would not be float32, which onnx.checker lets pass and onnxruntime refuses.
     """
     estimator = classifier.pipeline[-1]
-    if isinstance(estimator, SeededClassifier):
+    if classifier.method == MLP:
         graph = _perceptron_graph(_layers(classifier))
     elif isinstance(estimator, DummyClassifier):
         graph = _perceptron_graph([(np.zeros((1, classifier.inputs)), np.zeros(1))])  # softmax of one score is 1

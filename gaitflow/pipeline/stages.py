@@ -145,9 +145,11 @@ def train(workspace: Workspace, scenario: Scenario, constant: bool) -> dict[str,
     """Train and judge the classifiers; writes the winner and how all of them did."""
     import pandas as pd
 
+    from gaitflow.learn.installed import check_installed
     from gaitflow.learn.train import KnownCosts
     from gaitflow.learn.train import train as train_all
 
+    check_installed(scenario.learning)
     run = workspace.run(scenario)
     _need(run.labels, f"gaitflow label {scenario.name}")
     _need(run.atlas_record, f"gaitflow atlas {scenario.name}")

@@ -206,6 +206,16 @@ def test_an_unknown_gait_pattern_is_refused(scenario_file: Path, pattern: str) -
     )
 
 
+def test_methods_that_compete_are_part_of_a_scenario_unless_they_are_all(scenario_file: Path) -> None:
+    learning = {"folds": 3, "methods": ["svm", "knn"]}
+    assert load_scenario(edited(scenario_file, "learning", learning)).as_data()["learning"]["methods"] == ["svm", "knn"]
+    every = load_scenario(edited(scenario_file, "learning", {"folds": 3}))
+    assert every.learning.methods == ("mlp", "svm", "forest", "knn")
+    assert "methods" not in every.as_data()["learning"], "as before there was a choice"
+    assert "learning.methods" in refusal(edited(scenario_file, "learning", {"methods": []}))
+    assert "learning.methods.0 = 'tree'" in refusal(edited(scenario_file, "learning", {"methods": ["tree"]}))
+
+
 def test_a_fixed_gait_is_accepted(scenario_file: Path) -> None:
     edited(scenario_file, "strategy", {"name": "fixed_gait", "pattern": "0110/1100"})
     assert load_scenario(scenario_file).strategy.pattern == "0110/1100"

@@ -99,7 +99,7 @@ def test_finished_run_is_left_alone_when_files_are_only_touched(finished: Path) 
 
 
 def test_learning_settings_rerun_training_and_what_follows(finished: Path) -> None:
-    edit(finished / "configs" / "scenarios" / "quickstart.yaml", "max_epochs: 150", "max_epochs: 151")
+    edit(finished / "configs" / "scenarios" / "quickstart.yaml", "folds: 3", "folds: 4")
     assert planned(finished) == ["train", "publish", "report"]
 
 
