@@ -24,7 +24,7 @@ try:
     from gaitflow.cli.walk import walk
     from gaitflow.pipeline.workspace import Workspace
 except ImportError as error:
-    sys.exit(f'gaitflow: the command line needs more than the runtime ({error}): pip install "gaitflow[all]"')
+    sys.exit(f'gaitflow: the command line needs more than the runtime ({error}): pip install "gaitflow[maps]"')
 
 COMMANDS = (
     init,
