@@ -33,6 +33,7 @@ lint: $(STAMP)  ## style, types and import rules
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/hadolint container/Dockerfile
 
 test: lint  ## lint and the fast tests; with Slurm's when it is installed
 	$(PYTEST) -m "not slow"
