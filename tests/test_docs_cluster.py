@@ -37,7 +37,9 @@ def commands(page: str) -> list[list[str]]:
 
 def test_every_command_names_what_there_is(page: str, checkout: Path) -> None:
     found = commands(page)
-    assert {words[1] for words in found} == {"doctor", "submit", "status", "cancel", "run", "solve", "compact", "bench"}
+    assert {words[1] for words in found} == {
+        "doctor", "submit", "status", "cancel", "run", "solve", "compact", "bench", "init", "estimate"
+    }  # fmt: skip
     for words in found:
         assert words[0] == "gaitflow"
         command = main.commands[words[1]]

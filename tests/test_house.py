@@ -60,7 +60,9 @@ def project(checkout: Path) -> dict[str, list[Requirement]]:
     """Requirements by extra, "" for the base install; without `maps` and `all`, which only name others."""
     data = tomllib.loads((checkout / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     groups = {"": data["dependencies"]} | data["optional-dependencies"]
-    return {name: [Requirement(text) for text in group] for name, group in groups.items() if name not in ("maps", "all")}
+    return {
+        name: [Requirement(text) for text in group] for name, group in groups.items() if name not in ("maps", "all")
+    }
 
 
 def _names(requirements: list[Requirement]) -> set[str]:

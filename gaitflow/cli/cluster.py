@@ -39,8 +39,10 @@ def submit(workspace: Workspace, scenario: str, profile_file: Path, dry_run: boo
     Example: gaitflow submit quickstart --profile slurm/profiles/centre-48h.yaml --dry-run
     """
     from gaitflow.execute.solver import longest_unit_s
+    from gaitflow.execute.status import run_status
     from gaitflow.execute.submit import prepare, submit_run
     from gaitflow.learn.installed import check_installed
+    from gaitflow.store.parts import UnitStore
     from gaitflow.store.units import plan_units
 
     with bad_input(), _slurm_errors():
@@ -49,15 +51,20 @@ def submit(workspace: Workspace, scenario: str, profile_file: Path, dry_run: boo
         folder = workspace.run(resolved).folder
         longest = longest_unit_s(plan_units(resolved))
         submission = prepare(workspace.root, folder, from_anywhere(scenario), profile_file, longest)
+        hours = run_status(resolved, UnitStore(folder)).cpu_hours_left
         job = None if dry_run else submit_run(submission)
     scripts = {"driver": submission.driver, "worker": submission.worker, "workers": submission.profile.jobs}
     if as_json:
-        return print_json({"scenario": resolved.name, "job": job, "logs": str(folder / "logs"), **scripts})
+        said = {"scenario": resolved.name, "job": job, "logs": str(folder / "logs"), "cpu_hours_left": hours}
+        return print_json(said | scripts)
+    left = f"`gaitflow estimate {scenario}` tells" if hours is None else f"{hours:.3g}, on cores as those before"
     if job is None:
+        click.echo(f"# CPU hours left: {left}")
         click.echo(f"# driver: 1 job\n{submission.driver}")
         click.echo(f"# workers: {submission.profile.jobs} jobs, submitted by the driver\n{submission.worker}", nl=False)
         return
     click.echo(f"{resolved.name}: driver job {job}, up to {submission.profile.jobs} workers; logs in {folder / 'logs'}")
+    click.echo(f"CPU hours left: {left}")
     click.echo(f"watch it with `gaitflow status {resolved.name}`, end it with `gaitflow cancel {resolved.name}`")
 
 

@@ -13,6 +13,7 @@ try:
     from gaitflow.cli.cluster import cancel, doctor, submit
     from gaitflow.cli.compact import compact
     from gaitflow.cli.drive import drive
+    from gaitflow.cli.estimate import estimate
     from gaitflow.cli.export import export
     from gaitflow.cli.init import init
     from gaitflow.cli.labels import labels
@@ -29,7 +30,7 @@ except ImportError as error:
 COMMANDS = (
     init,
     run, solve, label, atlas, train, publish, report,  # a map's stages
-    submit, cancel, doctor, compact,  # on a cluster
+    estimate, submit, cancel, doctor, compact,  # on a cluster
     plan, labels, show, export, walk, drive,  # what a map is for
     status, validate, verify, robot, paper, bench,
 )  # fmt: skip

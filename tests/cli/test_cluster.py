@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+import yaml
 from click.testing import CliRunner, Result
 
 from gaitflow.cli import main
@@ -78,6 +79,23 @@ def test_a_dry_run_prints_every_script_and_does_nothing(project: Path) -> None:
     assert data["job"] is None and data["driver"] in done.output and data["worker"] in done.output
     gaitflow("submit", "quickstart", "--profile", PROFILE)
     assert (project / "bin" / "submitted.sh").read_text() == data["driver"], "what is printed is what is submitted"
+
+
+def test_submit_says_what_is_left_or_how_to_find_out(project: Path) -> None:
+    assert (
+        "# CPU hours left: `gaitflow estimate quickstart` tells"
+        in gaitflow("submit", "quickstart", "--profile", PROFILE, "--dry-run").output
+    )
+    done = gaitflow("submit", "quickstart", "--profile", PROFILE)
+    assert "CPU hours left: `gaitflow estimate quickstart` tells" in done.output
+
+
+def test_mail_at_the_end_is_a_directive_of_the_driver(project: Path) -> None:
+    profile = yaml.safe_load((project / PROFILE).read_text())
+    profile["driver"] = {"directives": ["--mail-type=END,FAIL"]}
+    (project / "mail.yaml").write_text(yaml.safe_dump(profile))
+    scripts = json.loads(gaitflow("submit", "quickstart", "--profile", "mail.yaml", "--dry-run", "--json").output)
+    assert "#SBATCH --mail-type=END,FAIL\n" in scripts["driver"] and "--mail" not in scripts["worker"]
 
 
 def test_a_second_submit_is_refused_with_the_way_out(project: Path) -> None:

@@ -103,6 +103,16 @@ def test_the_atlas_tells_its_nodes_and_how_the_predictors_did(solved: Path) -> N
     assert f"{data['solves']} solves, {data['modes']} modes" in text
 
 
+def test_an_estimate_solves_a_part_and_says_what_is_left(tmp_path: Path) -> None:
+    make_root(tmp_path)
+    state = json.loads(call(tmp_path, "estimate", "small", "--units", "1", "--workers", "1", "--json").stdout)
+    assert (state["units"], state["solved"], state["left"]) == (2, 1, 1)
+    assert state["cpu_hours_left"] == pytest.approx(state["cpu_hours_spent"]) and state["cpu_hours_left"] > 0
+    again = call(tmp_path, "estimate", "small", "--units", "1")
+    assert again.exit_code == 0 and "small: 1 of 2 units solved" in again.stdout, "nothing is solved twice"
+    assert f"{state['cpu_hours_left']:.3g}" in again.stdout
+
+
 def test_labels_are_printed_as_published(solved: Path) -> None:
     rows = json.loads(call(solved, "labels", str(solved / "datasets/small/1.0.0"), "--json").stdout)
     assert len(rows) == 6
@@ -276,7 +286,7 @@ def test_a_robot_of_negative_mass_is_refused_by_name(tmp_path: Path) -> None:
 
 def test_an_unknown_scenario_lists_those_there_are(tmp_path: Path) -> None:
     done = call(make_root(tmp_path), "solve", "smal")
-    assert done.exit_code == 2 and "'smal'" in done.stderr and "there are small" in done.stderr
+    assert done.exit_code == 2 and "'smal'" in done.stderr and "did you mean small?" in done.stderr
 
 
 def test_a_missing_stage_names_the_command(tmp_path: Path) -> None:
@@ -359,8 +369,9 @@ def test_report_wants_a_scenario_or_claims(tmp_path: Path) -> None:
 
 def test_every_command_explains_itself_with_an_example() -> None:
     assert set(main.commands) == {
-        "atlas", "bench", "cancel", "compact", "doctor", "drive", "export", "init", "label", "labels", "plan",
-        "publish", "report", "robot", "run", "show", "solve", "status", "submit", "train", "validate", "verify", "walk",
+        "atlas", "bench", "cancel", "compact", "doctor", "drive", "estimate", "export", "init", "label", "labels",
+        "plan", "publish", "report", "robot", "run", "show", "solve", "status", "submit", "train", "validate", "verify",
+        "walk",
     }  # fmt: skip
     for name in main.commands:
         done = CliRunner().invoke(main, [name, "--help"])

@@ -24,8 +24,8 @@ def test_code_version_reads_the_solving_code(monkeypatch: pytest.MonkeyPatch) ->
     assert before["casadi"] and module.solver_version.__wrapped__()["code"] != before["code"]
 
 
-# Of what is loaded with the solver these decide no number: where files lie, how they are read and written, and what gaits
-# and links are called.
+# Of what is loaded with the solver these decide no number: where files are, how they are read and written, and what
+# gaits and links are called.
 DECIDES_NOTHING = {
     "gaitflow", "gaitflow.config", "gaitflow.config.file", "gaitflow.config.frames", "gaitflow.core",
     "gaitflow.core.errors", "gaitflow.core.names", "gaitflow.shipped",
