@@ -65,7 +65,7 @@ def submit(workspace: Workspace, scenario: str, profile_file: Path, dry_run: boo
         return
     click.echo(f"{resolved.name}: driver job {job}, up to {submission.profile.jobs} workers; logs in {folder / 'logs'}")
     click.echo(f"CPU hours left: {left}")
-    click.echo(f"watch it with `gaitflow status {resolved.name}`, end it with `gaitflow cancel {resolved.name}`")
+    click.echo(f"watch it with `gaitflow status {scenario}`, end it with `gaitflow cancel {scenario}`")
 
 
 @click.command()
