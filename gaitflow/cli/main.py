@@ -22,6 +22,7 @@ try:
     from gaitflow.cli.robot import robot
     from gaitflow.cli.show import show
     from gaitflow.cli.stages import atlas, label, publish, report, run, solve, train
+    from gaitflow.cli.trace import trace
     from gaitflow.cli.walk import walk
     from gaitflow.pipeline.workspace import Workspace
 except ImportError as error:
@@ -31,7 +32,7 @@ COMMANDS = (
     init,
     run, solve, label, atlas, train, publish, report,  # a map's stages
     estimate, submit, cancel, doctor, compact,  # on a cluster
-    plan, labels, show, export, walk, drive,  # what a map is for
+    plan, labels, show, trace, export, walk, drive,  # what a map is for
     status, validate, verify, robot, paper, bench,
 )  # fmt: skip
 

@@ -51,34 +51,42 @@ def collect(store: UnitStore, scenario: Scenario) -> Path:
         )
     try:
         schema = solution_schema(scenario.as_data())
-        table, records = _scalars(store, units, scalar_columns(schema.names))
+        table, records, record_of = _scalars(store, units, scalar_columns(schema.names))
         rows = table.to_pandas().sort_values(row_order(schema.names), kind="stable", ignore_index=True)
         target = store.folder / FILE_NAME
         read = functools.lru_cache(maxsize=OPEN_PARTS)(lambda index: store.read(units[index]))
         with new_file(target, replace=True) as file:
-            record = dataset_record(scenario, [unit.digest for unit in units], records)
+            record = dataset_record(scenario, [unit.digest for unit in units], records, record_of)
             write_sealed(file, schema, _tables(rows, read, schema), record)
     except DamagedPart as error:
         raise NotComplete(f"{scenario.name}: a part changed while it was collected: {error}") from None
     return target
 
 
-def _scalars(store: UnitStore, units: Sequence[Unit], columns: Sequence[str]) -> tuple[pa.Table, list[dict[str, Any]]]:
+def _scalars(
+    store: UnitStore, units: Sequence[Unit], columns: Sequence[str]
+) -> tuple[pa.Table, list[dict[str, Any]], list[int]]:
     """Scalar columns of all rows, with where each row is: `unit` (index) and `row` in its part; what made the parts.
 
-    Of the parts' records only those that differ in who made them how: one a part would not fit into memory.
+    Of the parts' records only those that differ in who made them how, since one a part would not fit into memory; and
+    for each unit the place of its record among them.
     """
-    tables, makers = [], dict[str, dict[str, Any]]()
+    tables, makers, maker_of = [], list[dict[str, Any]](), list[int]()
+    places = dict[str, int]()
     for index, unit in enumerate(units):
         table, record = store.read_with_record(unit, columns=columns)
         made = {key: record[key] for key in MAKERS}
-        makers[json.dumps(made, sort_keys=True)] = made
-        places = pa.array(np.full(len(table), index)), pa.array(np.arange(len(table)))
-        table = table.replace_schema_metadata().append_column("unit", places[0]).append_column("row", places[1])
+        text = json.dumps(made, sort_keys=True)
+        if text not in places:
+            places[text] = len(makers)
+            makers.append(made)
+        maker_of.append(places[text])
+        unit_of, row_of = pa.array(np.full(len(table), index)), pa.array(np.arange(len(table)))
+        table = table.replace_schema_metadata().append_column("unit", unit_of).append_column("row", row_of)
         tables.append(table)
         if len(tables) == TABLES_AT_ONCE:  # a table has a price beside that of its rows
             tables = [pa.concat_tables(tables).combine_chunks()]
-    return pa.concat_tables(tables), list(makers.values())
+    return pa.concat_tables(tables), makers, maker_of
 
 
 def _tables(rows: pd.DataFrame, read: Callable[[int], pa.Table], schema: pa.Schema) -> Iterator[pa.Table]:

@@ -42,14 +42,20 @@ def versions_in(folder: Path) -> tuple[Version, ...]:
 def resolve(path: Path) -> Path:
     """The folder of one version: `path` itself when it holds a manifest, else its newest version.
 
-    Raises ArtifactError when there is neither.
+    Raises ArtifactError when there is neither, and for a dataset.
     """
     if (path / "manifest.json").exists() or _VERSION.fullmatch(path.name):
-        return path
+        return _no_dataset(path)
     versions = versions_in(path)
     if not versions:
         raise ArtifactError(
             f"{path}: no artifact here: expected manifest.json, or version folders such as 1.0.0; "
             "`gaitflow publish` makes them"
         )
-    return path / str(versions[-1])
+    return _no_dataset(path / str(versions[-1]))
+
+
+def _no_dataset(folder: Path) -> Path:
+    if (folder / "solutions.parquet").exists():
+        raise ArtifactError(f"{folder}: is a dataset, not a map; give a map's folder such as models/<scenario>")
+    return folder

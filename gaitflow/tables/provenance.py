@@ -38,12 +38,18 @@ def unit_record(digest: str, unit: Mapping[str, Any], solver_options: Mapping[st
     }
 
 
-def dataset_record(scenario: Scenario, digests: Sequence[str], parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """Record of a collected dataset: the scenario whole, and what the records of its parts have in common.
+def dataset_record(
+    scenario: Scenario, digests: Sequence[str], parts: Sequence[Mapping[str, Any]], part_of: Sequence[int]
+) -> dict[str, Any]:
+    """Record of a collected dataset: the scenario whole, and what the records of its units have in common.
 
-    `parts` are records of units; `made_by` and `solver_options` list the distinct ones, so that a dataset solved on
-    two kinds of machine says so. `units` is how many there are, `units_digest` the digest of their sorted names.
+    `parts` are the distinct records of units, `part_of` says which of them each unit has; `made_by` and
+    `solver_options` list the distinct ones, so that a dataset solved on two kinds of machine says so. Then
+    `units_made_by` has a number in `made_by` for each unit, in the order in which the scenario is cut into them.
+    `units` is how many there are, `units_digest` the digest of their sorted names.
     """
+    makers = _distinct([part["made_by"] for part in parts])
+    numbers = [makers.index(part["made_by"]) for part in parts]
     return {
         "format": FORMAT,
         "kind": "dataset",
@@ -51,7 +57,8 @@ def dataset_record(scenario: Scenario, digests: Sequence[str], parts: Sequence[M
         "scenario": scenario.as_data(),
         "units": len(digests),
         "units_digest": digest_of(sorted(digests)),
-        "made_by": _distinct([part["made_by"] for part in parts]),
+        "made_by": makers,
+        **({"units_made_by": [numbers[part] for part in part_of]} if len(makers) > 1 else {}),
         "solver_options": _distinct([part["solver_options"] for part in parts]),
         "collected_by": made_by(),
         "created": _now(),
