@@ -17,6 +17,7 @@ try:
     from gaitflow.cli.export import export
     from gaitflow.cli.init import init
     from gaitflow.cli.labels import labels
+    from gaitflow.cli.models import models
     from gaitflow.cli.paper import paper
     from gaitflow.cli.plan import plan
     from gaitflow.cli.robot import robot
@@ -32,7 +33,7 @@ COMMANDS = (
     init,
     run, solve, label, atlas, train, publish, report,  # a map's stages
     estimate, submit, cancel, doctor, compact,  # on a cluster
-    plan, labels, show, trace, export, walk, drive,  # what a map is for
+    plan, models, labels, show, trace, export, walk, drive,  # what a map is for
     status, validate, verify, robot, paper, bench,
 )  # fmt: skip
 

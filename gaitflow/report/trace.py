@@ -60,7 +60,8 @@ class Decision:
 
 def answer_of(artifact: Artifact, values: Mapping[str, float]) -> Answer:
     """The answer of a map at a task. Raises ValueError, OutOfDomain as `GaitMap.select` does."""
-    choice = GaitMap(artifact).select(**values)
+    asked: dict[str, Any] = dict(values)
+    choice = GaitMap(artifact).select(**asked)
     known = known_gaits(artifact, choice.task) if choice.in_domain else ()
     return Answer(choice.task, choice.gait, choice.probability, known)
 
@@ -91,7 +92,8 @@ def _solves(rows: pd.DataFrame, names: Mapping[str, str], keys: list[str]) -> li
     """The solved rows of some gaits, in their order, each gait's cheapest first."""
     solved = rows[(rows["status"] == "solved") & rows["gait"].isin(keys)]
     solved = solved.assign(place=solved["gait"].map(keys.index), gait=solved["gait"].map(names))
-    return solved.sort_values(["place", "cost"], kind="stable")[list(SOLVE)].to_dict("records")
+    solved = solved.sort_values(["place", "cost"], kind="stable")
+    return [dict(zip(SOLVE, row, strict=True)) for row in solved[list(SOLVE)].itertuples(index=False, name=None)]
 
 
 def _makers(
