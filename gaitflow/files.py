@@ -17,6 +17,9 @@ TEMPORARY = ".tmp"  # suffix of a file that is being written; nothing reads such
 class WriteError(OSError):
     """A file could not be written: names the path, the cause and the way out. Nothing was left behind."""
 
+    def __str__(self) -> str:
+        return str(self.strerror)
+
 
 class _Taken(Exception):
     pass
@@ -67,6 +70,16 @@ def publish_once(path: Path, data: bytes) -> bool:
     return True
 
 
+def make_folder(path: Path) -> None:
+    """Make a folder, and those above it, in which files can be written. Raises WriteError."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise _explained(path, error) from None
+    if not os.access(path, os.W_OK | os.X_OK):
+        raise _explained(path, OSError(errno.EACCES, os.strerror(errno.EACCES)))
+
+
 def sha256_file(path: Path) -> str:
     """SHA-256 of a file's bytes, hexadecimal. Raises OSError."""
     with open(path, "rb") as file:
@@ -103,6 +116,8 @@ def _explained(path: Path, error: OSError) -> WriteError:
     way_out = {
         errno.ENOSPC: "; free some space on that disk and run again, complete files were kept",
         errno.EDQUOT: "; your quota there is used up: free some space and run again, complete files were kept",
+        errno.ENOTDIR: "; what lies above it is a file, choose another folder",
+        errno.EEXIST: "; what lies above it is a file, choose another folder",
         errno.EACCES: "; give yourself the right to write there, or choose another folder",
         errno.EROFS: "; that disk is read-only, choose another folder",
         errno.EPERM: "; the file system may not support hard links, choose a folder on another one",

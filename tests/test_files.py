@@ -2,12 +2,15 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
+import subprocess
+import sys
 import threading
 from pathlib import Path
 
 import pytest
 
-from gaitflow.files import WriteError, atomic_write, inside, new_file, publish_once, sha256_file
+from gaitflow.files import WriteError, atomic_write, inside, make_folder, new_file, publish_once, sha256_file
 
 
 def test_atomic_write_replaces_and_leaves_nothing_else(tmp_path: Path) -> None:
@@ -92,3 +95,40 @@ def test_path_inside_is_resolved(tmp_path: Path) -> None:
 def test_sha256_of_a_file(tmp_path: Path) -> None:
     (tmp_path / "file").write_bytes(b"abc")
     assert sha256_file(tmp_path / "file") == "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+
+
+def test_a_folder_is_made_with_those_above_it(tmp_path: Path) -> None:
+    make_folder(tmp_path / "a" / "b")
+    make_folder(tmp_path / "a" / "b")
+    assert (tmp_path / "a" / "b").is_dir()
+    (tmp_path / "file").write_text("")
+    with pytest.raises(WriteError) as raised:
+        make_folder(tmp_path / "file" / "b")
+    assert str(raised.value).startswith(f"{tmp_path / 'file' / 'b'}: cannot be written (Not a directory); ")
+
+
+# Root may write anywhere, unless the kernel is told not to let it.
+READ_ONLY = """
+import sys
+from pathlib import Path
+from gaitflow.files import WriteError, atomic_write, make_folder
+for write in (lambda: make_folder(Path(sys.argv[1])), lambda: atomic_write(Path(sys.argv[1], "new", "file"), b"")):
+    try:
+        write()
+    except WriteError as error:
+        print(error)
+"""
+
+
+@pytest.mark.skipif(shutil.which("setpriv") is None, reason="needs setpriv of util-linux")
+def test_a_read_only_folder_is_named_with_the_way_out(tmp_path: Path) -> None:
+    tmp_path.chmod(0o555)
+    command = [sys.executable, "-c", READ_ONLY, str(tmp_path)]
+    if os.geteuid() == 0:
+        powers = "-dac_override,-dac_read_search"
+        command = ["setpriv", "--bounding-set", powers, "--inh-caps", powers, *command]
+    told = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
+    tmp_path.chmod(0o755)
+    assert len(told) == 2 and all(
+        "(Permission denied); give yourself the right to write there" in line for line in told
+    )

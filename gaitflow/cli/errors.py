@@ -26,14 +26,14 @@ def fail(message: str) -> NoReturn:
 
 
 @contextmanager
-def refused_artifact() -> Iterator[None]:
-    """A map that cannot be used is bad input; one that needs its code to be trusted names the option."""
+def refused_artifact(trusting: str = "") -> Iterator[None]:
+    """A map that cannot be used is bad input; one that needs its code to be trusted names the command's option."""
     from gaitflow.runtime import ArtifactError
 
     try:
         yield
     except ArtifactError as error:
-        hint = "; here: --trust-code" if "trust_code" in str(error) else ""
+        hint = f"; here: {trusting}" if trusting and "trust_code" in str(error) else ""
         raise ConfigError(f"{error}{hint}") from None
 
 

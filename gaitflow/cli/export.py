@@ -31,7 +31,7 @@ def export(model: Path, folder: Path, trust_code: bool, as_json: bool) -> None:
         from gaitflow.export import export_c
     except ImportError as missing:
         fail(f'an export needs {missing.name}: pip install "gaitflow[solve,learn]"')
-    with bad_input(), refused_artifact():
+    with bad_input(), refused_artifact("--trust-code"):
         done = export_c(model, folder, trust_code)
     if as_json:
         return print_json({"model": str(done.model), "folder": str(done.folder), "files": done.sizes})

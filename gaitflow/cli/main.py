@@ -43,7 +43,7 @@ COMMANDS = (
 @click.option(
     "--root",
     default=".",
-    type=click.Path(exists=True, file_okay=False, path_type=Path),
+    type=click.Path(path_type=Path),
     help="The workspace: its configs/ come before what ships; runs/, datasets/ and models/ grow in it.",
 )
 @click.pass_context
@@ -54,6 +54,9 @@ def main(context: click.Context, root: Path) -> None:
     Example: gaitflow run quickstart
              gaitflow plan models/quickstart --speed 0.9 --cycle 0.6
     """
+    if not root.is_dir():
+        click.echo(f"gaitflow: --root {root}: no such folder; give the one with configs/", err=True)
+        sys.exit(2)
     context.obj = Workspace(root)
 
 

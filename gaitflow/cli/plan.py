@@ -60,7 +60,7 @@ def plan(
     """
     from gaitflow.runtime import GaitMap, OutOfDomain
 
-    with bad_input(), refused_artifact():
+    with bad_input(), refused_artifact("--trust-code"):
         try:
             answer = GaitMap.load(artifact, trust_code=trust_code).plan(gait=gait, per=per, beyond=beyond, **axes)
         except OutOfDomain as error:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gaitflow.cli.errors import bad_input, print_json
+from gaitflow.cli.errors import bad_input, print_json, refused_artifact
 from gaitflow.cli.options import json_option, task_options
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("dataset", type=click.Path(exists=True, path_type=Path))
+@click.argument("folder", type=click.Path(path_type=Path))
 @task_options
 @click.option("--gait", help="Draw the gait of this name; by default the one that costs least.")
 @click.option("--rank", type=click.IntRange(1), help="Draw the gait of this rank: 1 costs least.")
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 @click.option("--strip", type=click.Path(dir_okay=False, path_type=Path), help="Write snapshots: one PNG file.")
 @json_option
 def show(
-    dataset: Path,
+    folder: Path,
     axes: dict[str, float],
     gait: str | None,
     rank: int | None,
@@ -35,47 +35,50 @@ def show(
     strip: Path | None,
     as_json: bool,
 ) -> None:
-    """Show a motion of DATASET (a version's folder, or a run's): the nearest stored task and its gaits by cost.
+    """Show a motion of FOLDER, a published map or dataset (a version's folder or its parent) or a run.
 
-    With --output or --strip, draw one of them; without, list them.
+    A dataset is asked for the nearest stored task, a map plans the task itself. With --output or --strip, draw a
+    motion; without, list the gaits by cost.
 
     \b
     Example: gaitflow show datasets/quickstart/1.0.0 --speed 0.9 --cycle 0.6 --output motion.html --strip motion.png
+             gaitflow show models/anymal-energy --speed 0.8 --output trot.html
     """
     if gait is not None and rank is not None:
         raise click.UsageError("give --gait or --rank, not both")
     if output is not None and strip is not None and output.resolve() == strip.resolve():
         raise click.UsageError(f"--output and --strip are both {output}; the second would overwrite the first")
-    with bad_input():
-        from gaitflow.dataset.read import load_solutions
+    with bad_input(), refused_artifact():
         from gaitflow.files import atomic_write
-        from gaitflow.report import stored
+        from gaitflow.publishing.find import is_map, version_folder
         from gaitflow.report.animation import animation_page
         from gaitflow.report.film import film
         from gaitflow.report.motion import draw_motion
         from gaitflow.report.palette import gait_colours
+        from gaitflow.report.planned import of_map
         from gaitflow.report.report import png_of
+        from gaitflow.report.stored import chosen, of_dataset
 
-        solutions = load_solutions(dataset)
-        task = stored.nearest_task(solutions, axes)
-        ranked = stored.ranked_gaits(solutions, task)
-        scenario = stored.scenario_of(solutions)
-        columns = scenario.tasks.space.columns
+        version = folder if folder.is_file() else version_folder(folder)
+        shown = of_map(version, axes, gait) if is_map(version) else of_dataset(version, axes)
+        ranked = shown.ranked
         files = []
         if output is not None or strip is not None or gait is not None or rank is not None:
-            one = stored.chosen(ranked, gait, rank)
-            drawn = stored.motion_of(solutions, one), scenario, one.gait, gait_colours([one.gait])[one.gait]
+            one = chosen(ranked, gait, rank)
+            ranked = (one,)
+        if output is not None or strip is not None:
+            drawn = shown.motion(one), shown.scenario, one.gait, gait_colours([one.gait])[one.gait]
             if output is not None:
                 atomic_write(output, film(*drawn) if output.suffix == ".gif" else animation_page(*drawn).encode())
                 files.append(output)
             if strip is not None:
                 atomic_write(strip, png_of(draw_motion(*drawn)))
                 files.append(strip)
-            ranked = (one,)
+    columns = shown.scenario.tasks.space.columns
     if as_json:
-        return print_json(_as_data(dict(zip(columns, task.on(columns), strict=True)), ranked, files))
+        return print_json(_as_data(dict(zip(columns, shown.task.on(columns), strict=True)), ranked, files))
     asked = ", ".join(f"{value:g}" for value in axes.values())
-    click.echo(f"nearest stored task: {task.text(columns)} (asked: {asked})")
+    click.echo(f"{shown.title}: {shown.task.text(columns)} (asked: {asked})")
     for one in ranked:
         click.echo(f"{one.rank:4d}  cost {one.cost:<12.6g} {'' if one.has_motion else '(no motion stored) '}{one.gait}")
     for path in files:

@@ -7,8 +7,9 @@ from typing import Any
 
 import click
 
-from gaitflow.cli.errors import bad_input, fail, print_json
+from gaitflow.cli.errors import bad_input, fail, print_json, refused_artifact
 from gaitflow.cli.options import json_option, profile_option, scenario_argument, workers_option
+from gaitflow.config.file import ConfigError
 from gaitflow.core.task import AXES
 from gaitflow.pipeline import stages
 from gaitflow.pipeline.snakemake import run_workflow
@@ -186,20 +187,29 @@ def publish(workspace: Workspace, scenario: str, version: str | None, as_json: b
 
 @click.command()
 @click.argument("scenario", required=False)
+@click.option(
+    "--output", type=click.Path(file_okay=False, path_type=Path), help="Of a published folder: draw it there."
+)
 @click.option("--claims", is_flag=True, help="Measure the paper's statements of section IV.A on the published labels.")
 @click.option("--exact-motion", is_flag=True, help="Write docs/results/exact-motion.md: Euler's maps beside the exact.")
 @json_option
 @click.pass_obj
-def report(workspace: Workspace, scenario: str | None, claims: bool, exact_motion: bool, as_json: bool) -> None:
+def report(
+    workspace: Workspace, scenario: str | None, output: Path | None, claims: bool, exact_motion: bool, as_json: bool
+) -> None:
     """Draw the map of SCENARIO, its gaits and motions, as PNG and one HTML page; or check the paper's claims.
+
+    SCENARIO is one that was run here, or the folder of a published map or dataset: then nothing is solved, and the
+    report is drawn in runs/<scenario>/report-<version>.
 
     \b
     Example: gaitflow report quickstart
+             gaitflow report models/anymal-energy --output anymal-report
              gaitflow report --claims
     """
     if [scenario is not None, claims, exact_motion].count(True) != 1:
         raise click.UsageError("give a SCENARIO to draw, or --claims or --exact-motion without one")
-    with bad_input():
+    with bad_input(), refused_artifact():
         if exact_motion:
             from gaitflow.report.exact_motion import write_exact_motion
 
@@ -210,8 +220,17 @@ def report(workspace: Workspace, scenario: str | None, claims: bool, exact_motio
 
             found = stages.claims(workspace)
             return print_json(claims_data(found)) if as_json else click.echo(claims_markdown(found), nl=False)
-        paths = stages.report(workspace, workspace.scenario(str(scenario)))
+        paths = _drawn(workspace, str(scenario), output)
     return print_json([str(path) for path in paths]) if as_json else click.echo("\n".join(map(str, paths)))
+
+
+def _drawn(workspace: Workspace, scenario: str, output: Path | None) -> list[Path]:
+    """The files of the report of a folder when there is one of that name, else of the run of a scenario."""
+    if Path(scenario).is_dir():
+        return stages.report_published(workspace, Path(scenario), output)
+    if output is not None:
+        raise ConfigError(f"--output {output}: {scenario} is no folder of a map or dataset; a run's report is in runs/")
+    return stages.report(workspace, workspace.scenario(scenario))
 
 
 def quality(data: dict[str, Any]) -> str:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from gaitflow import shipped
 from gaitflow.config.scenario import Scenario
+from gaitflow.files import make_folder
 from gaitflow.pipeline.workspace import Workspace, from_anywhere
 
 PROFILE = "GAITFLOW_PROFILE"  # tells `gaitflow solve`: as an argument of its rule it would make a finished solve rerun
@@ -25,8 +26,10 @@ def run_workflow(
 ) -> bool:
     """Run what is out of date of `scenario`, which the user `named` so; True when everything asked for is done.
 
-    With a profile the workers of the solve stage are jobs of a Slurm cluster.
+    With a profile the workers of the solve stage are jobs of a Slurm cluster. Raises WriteError when nothing can be
+    written in the workspace.
     """
+    make_folder(workspace.root)
     command = [sys.executable, "-m", "snakemake", "--snakefile", str(shipped.SNAKEFILE), "--cores", str(workers)]
     files = json.dumps({scenario.name: from_anywhere(named)})
     command += ["--config", f"scenarios=['{scenario.name}']", f"files={files}"]

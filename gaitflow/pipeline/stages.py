@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from gaitflow.config.scenario import Scenario, digest_of
 from gaitflow.core.domain import Domain
-from gaitflow.files import atomic_write
+from gaitflow.files import atomic_write, make_folder
 from gaitflow.pipeline.workspace import Run, Workspace
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def solve(
     """Solve every unit that the store lacks and collect them into one file.
 
     On `workers` processes of this machine, or with a profile on the jobs of a Slurm cluster. Raises DriverAlive when
-    another process or job solves the run.
+    another process or job solves the run, WriteError.
     """
     from gaitflow.dataset.collect import collect
     from gaitflow.execute.local import local_run_client
@@ -60,6 +60,7 @@ def solve(
     from gaitflow.store.parts import UnitStore
     from gaitflow.store.units import plan_units
 
+    make_folder(workspace.run(scenario).folder)
     store, units = UnitStore(workspace.run(scenario).folder), plan_units(scenario)
     with progress(scenario.name) as on_event:
         latest: list[RunState] = []
@@ -233,6 +234,22 @@ def report(workspace: Workspace, scenario: Scenario) -> list[Path]:
     )
 
 
+def report_published(workspace: Workspace, path: Path, output: Path | None) -> list[Path]:
+    """Draw the report of a published map or dataset: a version's folder, or the newest version in a folder of them.
+
+    Into `output`, or `runs/<scenario>/report-<version>`. Raises ValueError when `path` is neither, ArtifactError.
+    """
+    from gaitflow.publishing.find import dataset_of_map, is_map, version_folder
+    from gaitflow.report.published import write_dataset_report, write_map_report
+
+    folder = version_folder(path)
+    named = folder.resolve()
+    target = output or workspace.root / "runs" / named.parent.name / f"report-{named.name}"
+    if is_map(folder):
+        return write_map_report(target, folder, dataset_of_map(folder, workspace.datasets))
+    return write_dataset_report(target, folder)
+
+
 def claims(workspace: Workspace) -> tuple[Claim, ...]:
     """The paper's statements, measured on the newest published datasets of its scenarios and of the exact ones."""
     from gaitflow.dataset import load_solutions
@@ -254,19 +271,17 @@ def claims(workspace: Workspace) -> tuple[Claim, ...]:
 
 
 def verify(path: Path) -> list[str]:
-    """Every fault of a published model or dataset. Raises ValueError when `path` is neither."""
-    from gaitflow.dataset.read import FILE_NAME
-    from gaitflow.publishing import verify as verify_map
-    from gaitflow.publishing.verify_dataset import verify_dataset
-    from gaitflow.runtime.files import CLASSIFIER
+    """Every fault of a published map or dataset, of the newest version when `path` holds several.
 
-    if not path.is_dir():
-        raise ValueError(f"{path}: no such folder; give a version's folder such as models/<scenario>/1.0.0")
-    if (path / FILE_NAME).exists():
-        return [str(finding) for finding in verify_dataset(path)]
-    if (path / CLASSIFIER).exists() or (path / "manifest.json").exists():
-        return [str(finding) for finding in verify_map(path)]
-    raise ValueError(f"{path}: holds neither a model nor a dataset; give a version's folder")
+    Raises ValueError when `path` is neither.
+    """
+    from gaitflow.publishing import verify as verify_map
+    from gaitflow.publishing.find import is_dataset, version_folder
+    from gaitflow.publishing.verify_dataset import verify_dataset
+
+    folder = version_folder(path)
+    found = verify_dataset(folder) if is_dataset(folder) else verify_map(folder)
+    return [str(finding) for finding in found]
 
 
 def summary(scenario: Scenario) -> dict[str, Any]:

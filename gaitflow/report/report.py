@@ -43,6 +43,7 @@ from gaitflow.report.winners import by_size, central, winners
 from gaitflow.search.solution import Solution
 
 PAGE = "index.html"
+ALONE = "Drawn from the map alone: tasks, costs and margins are what it predicts on its grid."
 MAX_GAITS = 12  # gaits drawn in detail, those that win most tasks
 
 
@@ -54,14 +55,14 @@ def write_report(
     gaits: Sequence[str],
     select: Select | None,
     learning: Mapping[str, Any] | None,
-    record: Mapping[str, Any],
+    record: Mapping[str, Any] | None,
 ) -> list[Path]:
     """Write map.png, gaits.png, state_space.png, a motion-<gait>.png a gait and index.html; return their paths.
 
     `labels` is the labels frame (`gaitflow.dataset.labels`), `select` the map's decision as an index into `gaits`, from
     the values of each axis with a range, `learning` the data of `Training.as_data()`, `record` the dataset's
-    provenance. `select` and `learning` are None when no classifier was trained. Raises ValueError when `labels` is
-    empty, WriteError when the disk refuses.
+    provenance. `select` and `learning` are None when no classifier was trained, `record` where no dataset is at hand.
+    Raises ValueError when `labels` is empty, WriteError when the disk refuses.
     """
     space = scenario.tasks.space
     regions = winners(labels, solutions, space)
@@ -126,7 +127,7 @@ def _sections(
     solutions: Sequence[Solution],
     regions: Mapping[str, Sequence[Solution]],
     learning: Mapping[str, Any] | None,
-    record: Mapping[str, Any],
+    record: Mapping[str, Any] | None,
     images: Mapping[str, bytes],
     motions: Sequence[str],
 ) -> list[Section]:
@@ -143,10 +144,12 @@ def _sections(
     if learning is not None:
         numbers = "Numbers are on the cross-validation folds / on the held-out tasks; the published method is marked."
         judged = (f"How the winner is chosen: {learning['rule']}", numbers, *learning["remarks"])
-    return [
+    told = (ALONE,) if record is None else ()
+    shown = [
         Section("The scenario", _in_words(scenario)),
         Section(
             "Gait map",
+            told,
             pictures=pictures("map", caption=f"{chosen} {slices_of(labels, space).remark}".strip()),
         ),
         Section(
@@ -155,6 +158,20 @@ def _sections(
             pictures("gaits", caption="When each leg stands, with the mean phase durations of the gait's tasks."),
             gait_table(labels, scenario.robot.leg_names),
         ),
+    ]
+    learnt = [
+        Section("Classifiers", judged, table=None if learning is None else learning_table(learning)),
+        Section("Ties", (f"Gaits within {tolerance} of the least cost tie." if ties.rows else none,), table=ties),
+    ]
+    lacking = Section(
+        "Tasks without a gait",
+        () if missing.rows else ("A gait was found for every task.",),
+        table=missing,
+    )
+    if record is None:
+        return [*shown, *learnt, lacking]
+    return [
+        *shown,
         Section(
             "State space",
             ("Trajectories of one gait look alike, which is why their mean is a good start for an optimiser.",),
@@ -165,18 +182,13 @@ def _sections(
             ("The task nearest the middle of each region. Red arrows are contact forces.",),
             pictures(*motions),
         ),
-        Section("Classifiers", judged, table=None if learning is None else learning_table(learning)),
-        Section("Ties", (f"Gaits within {tolerance} of the least cost tie." if ties.rows else none,), table=ties),
+        *learnt,
         Section(
             "Labels that the mesh leaves open",
             (_on_resolution(labels, unresolved),),
             table=unresolved,
         ),
-        Section(
-            "Tasks without a gait",
-            () if missing.rows else ("A gait was found for every task.",),
-            table=missing,
-        ),
+        lacking,
         Section(
             "Every label checked again",
             (

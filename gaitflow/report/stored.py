@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -11,13 +12,13 @@ import pandas as pd
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.task import SPLITS, Split, Task
 from gaitflow.dataset.labels import gait_costs
-from gaitflow.dataset.read import Solutions
+from gaitflow.dataset.read import Solutions, load_solutions
 from gaitflow.search.solution import Solution
 
 
 @dataclass(frozen=True)
 class Ranked:
-    """A gait of a task; rank 1 costs least. `row` is its cheapest solution's place in the dataset."""
+    """A gait of a task; rank 1 costs least. `row` is its cheapest solution's place in the dataset, -1 outside one."""
 
     rank: int
     gait: str
@@ -25,6 +26,25 @@ class Ranked:
     cost: float
     has_motion: bool
     row: int
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A task, its gaits by cost, and how the motion of one of them is had; `title` says what the task is."""
+
+    title: str
+    scenario: Scenario
+    task: Task
+    ranked: tuple[Ranked, ...]
+    motion: Callable[[Ranked], Solution]
+
+
+def of_dataset(folder: Path, values: Mapping[str, float]) -> Shown:
+    """The stored task of a dataset nearest to `values`. Raises ValueError as `nearest_task` does."""
+    solutions = load_solutions(folder)
+    task = nearest_task(solutions, values)
+    ranked = ranked_gaits(solutions, task)
+    return Shown("nearest stored task", scenario_of(solutions), task, ranked, lambda one: motion_of(solutions, one))
 
 
 def scenario_of(solutions: Solutions) -> Scenario:

@@ -104,7 +104,7 @@ def test_what_cannot_be_shown_is_one_clear_line(planar: Path, arguments: list[st
 
 def test_a_folder_without_a_dataset_and_a_folder_that_cannot_be_written(planar: Path, tmp_path: Path) -> None:
     empty = ask(tmp_path, "--speed", 1, "--cycle", 0.6)
-    assert empty.exit_code == 1 and "no such dataset" in empty.stderr
+    assert empty.exit_code == 2 and "holds neither a map nor a dataset" in empty.stderr
     (tmp_path / "file").write_text("")
     refused = ask(planar, "--speed", 1, "--cycle", 0.6, "--output", tmp_path / "file" / "motion.html")
     assert refused.exit_code == 1 and "motion.html" in refused.stderr
