@@ -12,6 +12,7 @@ try:
     from gaitflow.cli.check import status, validate, verify
     from gaitflow.cli.cluster import cancel, doctor, submit
     from gaitflow.cli.compact import compact
+    from gaitflow.cli.datasets import datasets
     from gaitflow.cli.drive import drive
     from gaitflow.cli.estimate import estimate
     from gaitflow.cli.export import export
@@ -33,7 +34,7 @@ COMMANDS = (
     init,
     run, solve, label, atlas, train, publish, report,  # a map's stages
     estimate, submit, cancel, doctor, compact,  # on a cluster
-    plan, models, labels, show, trace, export, walk, drive,  # what a map is for
+    plan, models, datasets, labels, show, trace, export, walk, drive,  # what a map is for
     status, validate, verify, robot, paper, bench,
 )  # fmt: skip
 

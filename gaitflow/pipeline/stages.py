@@ -97,8 +97,8 @@ def label(workspace: Workspace, scenario: Scenario) -> pd.DataFrame:
     knots = scenario.transcription.knots_per_phase
     labels = label_tasks(costs, tasks_of(scenario), scenario.learning.tie_tolerance, knots)
     labels = with_motion_checks(mark_failed(labels, solutions.frame()), solutions)
-    _write_frame(run.gait_costs, costs)
-    _write_frame(run.labels, labels)
+    _write_table(run.gait_costs, costs)
+    _write_table(run.labels, labels)
     return labels
 
 
@@ -341,11 +341,16 @@ def _without_nan(data: dict[str, Any]) -> dict[str, Any]:
     return {key: None if isinstance(value, float) and math.isnan(value) else value for key, value in data.items()}
 
 
-def _write_frame(path: Path, frame: pd.DataFrame) -> None:
+def _write_table(path: Path, frame: pd.DataFrame) -> None:
     import io
 
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    from gaitflow.tables.columns import described
+
     buffer = io.BytesIO()
-    frame.to_parquet(buffer, index=False)
+    pq.write_table(described(pa.Table.from_pandas(frame, preserve_index=False)), buffer)
     atomic_write(path, buffer.getvalue())
 
 

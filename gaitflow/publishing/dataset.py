@@ -16,17 +16,16 @@ import pandas as pd
 from gaitflow.core.errors import ArtifactError
 from gaitflow.dataset.read import FILE_NAME, load_solutions
 from gaitflow.dataset.thin import thin
+from gaitflow.publishing.dataset_card import KEPT_DEARER, KEPT_GAITS, dataset_card
+from gaitflow.publishing.dataset_facts import GAIT_COSTS, LABELS, dataset_facts
 from gaitflow.publishing.versioned_folder import listed, publish_folder, publish_next
 from gaitflow.runtime.files import CARD, MANIFEST, FileEntry, read_limited
 from gaitflow.runtime.manifest import TIME_FORMAT
 from gaitflow.runtime.versions import versions_in
 from gaitflow.tables.schema import task_columns
 
-LABELS = "labels.parquet"
-GAIT_COSTS = "gait_costs.parquet"
 FILES = (FILE_NAME, LABELS, GAIT_COSTS, CARD)  # every file but the manifest
 FORMAT = 1
-KEPT_GAITS, KEPT_DEARER = 3, 0.15  # motions are kept of so many gaits of a task, as long as they are no dearer
 MAX_MANIFEST_BYTES = 1_000_000
 
 
@@ -77,12 +76,13 @@ def publish_dataset(
     files = {FILE_NAME: small, LABELS: labels.read_bytes(), GAIT_COSTS: gait_costs.read_bytes()}
 
     def publish(number: str) -> Path:
-        described = files | {CARD: _card(number, record, frame).encode()}
+        created = datetime.now(UTC).strftime(TIME_FORMAT)
+        described = files | {CARD: dataset_card(dataset_facts(number, created, files)).encode()}
         manifest = {
             "format": FORMAT,
             "scenario": folder.name,
             "version": number,
-            "created": datetime.now(UTC).strftime(TIME_FORMAT),
+            "created": created,
             "content": content,
             "files": listed(described),
         }
@@ -112,44 +112,3 @@ def _newest_same(folder: Path, content: str) -> Path | None:
 
 def _json(data: Any) -> bytes:
     return (json.dumps(data, indent=1, sort_keys=True) + "\n").encode()
-
-
-def _card(version: str, record: Mapping[str, Any], labels: pd.DataFrame) -> str:
-    scenario = record["scenario"]
-    solved = labels[labels["status"] == "solved"]
-    counts = solved.groupby(["split", "gait"]).size()
-    cells = [(*key, count) for key, count in zip(counts.index.to_list(), counts, strict=True)]
-    rows = "\n".join(f"| {split} | {gait} | {count} |" for split, gait, count in cells)
-    *axes, _ = task_columns(labels.columns)
-    return f"""# {scenario["name"]} {version}: solutions
-
-{scenario["description"]}
-
-{len(labels)} tasks over {", ".join(axes)}; {len(solved)} of them have a feasible gait; {record["units"]} units of work.
-
-| file | a row |
-| --- | --- |
-| `{FILE_NAME}` | one pattern at one task: what became of it, its cost, and for some rows the motion |
-| `{LABELS}` | one task: its best gait, the margin, how sure it is, and how good its motion is between the knots |
-| `{GAIT_COSTS}` | one gait at one task: its least cost |
-
-Those of a task's {KEPT_GAITS} cheapest gaits that are at most {KEPT_DEARER:.0%} dearer than the best keep their motion,
-in the pattern that `{GAIT_COSTS}` names, with multipliers in single precision; all other rows have nulls there.
-Scenario, code version, package versions and processor are in the Parquet metadata under
-`gaitflow`; the columns are explained in `docs/data-format.md`.
-
-| tasks | gait | wins |
-| --- | --- | --- |
-{rows}
-
-Read it:
-
-```python
-from gaitflow.dataset import load_solutions
-
-for solution in load_solutions("datasets/{scenario["name"]}/{version}"):
-    print(solution.task.text(), solution.pattern, solution.cost)
-```
-
-Licence: BSD-3-Clause, as the project.
-"""

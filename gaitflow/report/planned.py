@@ -37,7 +37,8 @@ def of_map(folder: Path, values: Mapping[str, float], gait: str | None = None) -
     scenario = Scenario.from_data(dict(manifest.scenario), f"{manifest.name} {manifest.version}")
 
     def motion(one: Ranked) -> Solution:
-        plan = gait_map.plan(gait=one.gait, **{axis: choice.task[axis] for axis in gait_map.axes})
+        place: dict[str, Any] = {axis: choice.task[axis] for axis in gait_map.axes}
+        plan = gait_map.plan(gait=one.gait, **place)
         if not plan.feasible:
             raise ValueError(f"{one.gait}: no feasible motion at this task; worst violation {plan.violation:.1e}")
         return Solution(

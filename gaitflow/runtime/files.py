@@ -64,10 +64,15 @@ def read_limited(path: Path, limit: int) -> bytes:
 
 def read_checked(folder: Path, name: str, entry: FileEntry) -> bytes:
     """A file of the artifact, equal in size and SHA-256 to its entry in the manifest. Raises ArtifactError."""
-    content = read_limited(folder / name, min(LIMITS[name], entry.bytes))
+    return read_checked_as(folder / name, FileEntry(entry.sha256, min(LIMITS[name], entry.bytes)))
+
+
+def read_checked_as(path: Path, entry: FileEntry) -> bytes:
+    """A file, equal in size and SHA-256 to `entry`. Raises ArtifactError."""
+    content = read_limited(path, entry.bytes)
     if entry_of(content) != entry:
         raise ArtifactError(
-            f"{folder / name}: its content is not what the manifest lists (SHA-256 or size differs): "
+            f"{path}: its content is not what the manifest lists (SHA-256 or size differs): "
             "the file is damaged or was edited; copy the artifact again or publish a new version"
         )
     return content

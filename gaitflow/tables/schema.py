@@ -1,9 +1,10 @@
 """The Arrow schema of a table of solutions.
 
 One row a solve. Its task is in one column for each axis that the scenario ranges over. Trajectories are flat fixed-size
-lists of float64 in row-major order; a field's metadata tell its unit (`unit`), its shape (`shape`, such as "41,2,2")
-and what its axes are (`axes`). A row without a trajectory has nulls there. Multipliers are lists, as their length
-follows from the solver's scaled problem rather than from the robot.
+lists of float64 in row-major order; a field's metadata tell its unit (`unit`), its shape (`shape`, such as "41,2,2"),
+what its axes are (`axes`) and what the places along them are called (`states`, `legs`, `coordinates`). A row without a
+trajectory has nulls there. Multipliers are lists, as their length follows from the solver's scaled problem rather than
+from the robot.
 
 Where forces are linear only the last step of a phase needs a force at its end, since within a phase a step ends with
 the force that the next one begins with: `end_forces` has a row a phase. Where forces are held there is no such column.
@@ -39,6 +40,11 @@ SCALARS: dict[str, tuple[pa.DataType, str]] = {
     "wall_s": (pa.float64(), "s"),
     "cpu_s": (pa.float64(), "s"),
 }  # beside the axes of the task
+BASE_STATES = {
+    2: ("x", "z", "pitch", "v_x", "v_z", "pitch_rate"),
+    3: ("x", "y", "z", "yaw", "pitch", "roll", "v_x", "v_y", "v_z", "w_x", "w_y", "w_z"),
+}  # by dimension: position, angles, velocity, angular velocity (in space about the base's own axes)
+COORDINATES = {2: ("x", "z"), 3: ("x", "y", "z")}
 TRAJECTORY = ("times", "base", "feet", "forces", "end_forces", "foot_velocities", "durations")
 MULTIPLIERS = {"bound_multipliers": "bounds", "row_multipliers": "rows"}  # column: field of Multipliers
 HEAVY = (*TRAJECTORY, *MULTIPLIERS)  # columns that a published table may leave null
@@ -91,10 +97,21 @@ def solution_schema(scenario: Mapping[str, Any]) -> pa.Schema:
     columns += [pa.field(name, kind, False, {"unit": unit}) for name, (kind, unit) in SCALARS.items()]
     for name, shape in array_shapes(Layout.of(scenario)).items():
         about, unit = described[name]
-        metadata = {"unit": unit, "shape": ",".join(map(str, shape)), "axes": about}
+        metadata = {"unit": unit, "shape": ",".join(map(str, shape)), "axes": about} | _named(about, scenario)
         columns.append(pa.field(name, pa.list_(pa.float64(), prod(shape)), True, metadata))
     columns += [pa.field(name, pa.list_(pa.float64()), True, {"unit": "scaled"}) for name in MULTIPLIERS]
     return pa.schema(columns)
+
+
+def _named(axes: str, scenario: Mapping[str, Any]) -> dict[str, str]:
+    """What the places along an array's axes are called: base states, legs, coordinates."""
+    robot = scenario["robot"]
+    known = {
+        "state": ("states", BASE_STATES[robot["dimension"]]),
+        "leg": ("legs", [leg["name"] for leg in robot["legs"]]),
+        "coordinate": ("coordinates", COORDINATES[robot["dimension"]]),
+    }
+    return {known[axis][0]: ",".join(known[axis][1]) for axis in axes.split(",") if axis in known}
 
 
 def schema_difference(found: pa.Schema, expected: pa.Schema) -> str | None:

@@ -23,7 +23,9 @@ HELD = one_leg(linear=False)
 def test_columns_shapes_and_units_follow_the_scenario(scenario: Scenario) -> None:
     schema = solution_schema(scenario.as_data())
     assert schema.field("base").metadata[b"shape"] == b"9,6"
-    assert schema.field("forces").metadata == {b"unit": b"N", b"shape": b"8,2,2", b"axes": b"step,leg,coordinate"}
+    assert schema.field("base").metadata[b"states"] == b"x,z,pitch,v_x,v_z,pitch_rate"
+    places = {b"axes": b"step,leg,coordinate", b"legs": b"F,H", b"coordinates": b"x,z"}
+    assert schema.field("forces").metadata == {b"unit": b"N", b"shape": b"8,2,2"} | places
     assert schema.field("end_forces").metadata[b"shape"] == b"4,2,2"
     assert schema.names == ["speed", "cycle_duration", *SCALARS, *TRAJECTORY, *MULTIPLIERS]
     assert {field.name for field in dataclasses.fields(Solution)} - set(SCALARS) == {

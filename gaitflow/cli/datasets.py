@@ -1,0 +1,41 @@
+"""`gaitflow datasets`: published datasets for others."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from gaitflow.cli.errors import bad_input, print_json, refused_artifact
+from gaitflow.cli.options import json_option
+
+
+@click.group()
+def datasets() -> None:
+    """Prepare published datasets for others."""
+
+
+@datasets.command()
+@click.argument("dataset", type=click.Path(path_type=Path))
+@click.option("--output", required=True, type=click.Path(file_okay=False, path_type=Path), help="The folder to write.")
+@json_option
+def describe(dataset: Path, output: Path, as_json: bool) -> None:
+    """Copy DATASET (a version's folder or its parent) into a folder that others can find, cite, load and make again.
+
+    With its tables come a card (which the Hugging Face hub reads), Croissant metadata, a Workflow Run Crate, and the
+    workflow that makes it again. The published version stays as it is.
+
+    \b
+    Example: gaitflow datasets describe datasets/anymal-energy --output anymal-energy-1.0.0
+    """
+    from gaitflow.publishing.describe import describe_dataset
+    from gaitflow.publishing.find import is_dataset, version_folder
+
+    with bad_input(), refused_artifact():
+        folder = version_folder(dataset)
+        if not is_dataset(folder):
+            raise ValueError(f"{folder}: is a map, not a dataset; give one such as datasets/<scenario>")
+        written = describe_dataset(folder, output)
+    if as_json:
+        return print_json([str(path) for path in written])
+    click.echo("\n".join(map(str, written)))
