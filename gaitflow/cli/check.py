@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from gaitflow.cli.errors import bad_input, print_json
-from gaitflow.cli.options import json_option, scenario_argument
+from gaitflow.cli.options import PUBLISHED, json_option, scenario_argument
 from gaitflow.pipeline import stages
 from gaitflow.pipeline.workspace import Workspace
 
@@ -64,7 +64,7 @@ def validate(workspace: Workspace, scenario: str, as_json: bool) -> None:
 
 
 @click.command()
-@click.argument("path", type=click.Path(path_type=Path))
+@click.argument("path", type=PUBLISHED)
 @json_option
 def verify(path: Path, as_json: bool) -> None:
     """Check a published model or dataset (a version's folder) whole: digests, contents, motions.

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from gaitflow.cli.errors import bad_input, print_json, refused_artifact
-from gaitflow.cli.options import json_option
+from gaitflow.cli.options import PUBLISHED, json_option
 
 
 @click.group()
@@ -16,7 +16,7 @@ def datasets() -> None:
 
 
 @datasets.command()
-@click.argument("dataset", type=click.Path(path_type=Path))
+@click.argument("dataset", type=PUBLISHED)
 @click.option("--output", required=True, type=click.Path(file_okay=False, path_type=Path), help="The folder to write.")
 @json_option
 def describe(dataset: Path, output: Path, as_json: bool) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gaitflow.cli.errors import bad_input, fail, print_json, refused_artifact
-from gaitflow.cli.options import json_option
+from gaitflow.cli.options import PUBLISHED, json_option
 from gaitflow.cli.walk import VIDEOS
 from gaitflow.config.file import ConfigError
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("artifact", type=click.Path(path_type=Path))
+@click.argument("artifact", type=PUBLISHED)
 @click.option("--top", default=1.2, show_default=True, type=click.FloatRange(0, min_open=True), help="m/s.")
 @click.option("--seconds", default=60.0, show_default=True, type=click.FloatRange(5, 3600), help="Of the whole drive.")
 @click.option(

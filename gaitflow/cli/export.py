@@ -7,11 +7,11 @@ from pathlib import Path
 import click
 
 from gaitflow.cli.errors import bad_input, fail, print_json, refused_artifact
-from gaitflow.cli.options import json_option
+from gaitflow.cli.options import PUBLISHED, json_option
 
 
 @click.command()
-@click.argument("model", type=click.Path(path_type=Path))
+@click.argument("model", type=PUBLISHED)
 @click.option(
     "--c",
     "folder",

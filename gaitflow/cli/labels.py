@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gaitflow.cli.errors import bad_input, print_json, refused_artifact
-from gaitflow.cli.options import json_option
+from gaitflow.cli.options import PUBLISHED, json_option
 from gaitflow.core.task import AXES
 from gaitflow.pipeline.workspace import Workspace
 
@@ -21,7 +21,7 @@ ADDED = ("cost_error", "resolved")  # of labels older than these, nothing is kno
 
 
 @click.command()
-@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("folder", type=PUBLISHED)
 @json_option
 @click.pass_obj
 def labels(workspace: Workspace, folder: Path, as_json: bool) -> None:

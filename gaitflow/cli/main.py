@@ -25,6 +25,7 @@ try:
     from gaitflow.cli.show import show
     from gaitflow.cli.stages import atlas, label, publish, report, run, solve, train
     from gaitflow.cli.trace import trace
+    from gaitflow.cli.upload import upload
     from gaitflow.cli.walk import walk
     from gaitflow.pipeline.workspace import Workspace
 except ImportError as error:
@@ -34,7 +35,7 @@ COMMANDS = (
     init,
     run, solve, label, atlas, train, publish, report,  # a map's stages
     estimate, submit, cancel, doctor, compact,  # on a cluster
-    plan, models, datasets, labels, show, trace, export, walk, drive,  # what a map is for
+    plan, models, datasets, labels, show, trace, export, upload, walk, drive,  # what a map is for
     status, validate, verify, robot, paper, bench,
 )  # fmt: skip
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gaitflow.cli.errors import bad_input, print_json, refused_artifact
-from gaitflow.cli.options import json_option
+from gaitflow.cli.options import PUBLISHED, json_option
 from gaitflow.core.task import AXES
 from gaitflow.pipeline.workspace import Workspace
 
@@ -77,8 +77,8 @@ def _row(manifest: Manifest, folder: Path) -> dict[str, Any]:
 
 
 @models.command()
-@click.argument("first", type=click.Path(path_type=Path))
-@click.argument("second", type=click.Path(path_type=Path))
+@click.argument("first", type=PUBLISHED)
+@click.argument("second", type=PUBLISHED)
 @json_option
 def diff(first: Path, second: Path, as_json: bool) -> None:
     """Say where the maps FIRST and SECOND (a version's folder or its parent) take different gaits, and at what cost.

@@ -19,6 +19,27 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 
 SHORT = {"cycle_duration": "--cycle"}  # beside the axis' own name
 
+
+class PublishedFolder(click.ParamType):
+    """A folder of a map or dataset: a path, or an address, whose newest version is fetched and checked."""
+
+    name = "folder"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """The folder on this machine; what cannot be fetched is one line and exit code 2."""
+        if isinstance(value, Path):
+            return value
+        from gaitflow.core.errors import ArtifactError
+        from gaitflow.runtime.remote import local_folder
+
+        try:
+            return local_folder(value)
+        except ArtifactError as error:
+            click.echo(f"gaitflow: {error}", err=True)
+            sys.exit(2)
+
+
+PUBLISHED = PublishedFolder()
 scenario_argument = click.argument("scenario")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON document and nothing else.")
 

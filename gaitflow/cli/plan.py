@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gaitflow.cli.errors import bad_input, fail, print_json, refused_artifact
-from gaitflow.cli.options import json_option, task_options
+from gaitflow.cli.options import PUBLISHED, json_option, task_options
 from gaitflow.core.task import AXES
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ PLAN_KEYS = (
 
 
 @click.command()
-@click.argument("artifact", type=click.Path(path_type=Path))
+@click.argument("artifact", type=PUBLISHED)
 @task_options
 @click.option("--gait", help="Plan this gait of the map instead of the cheapest.")
 @click.option(

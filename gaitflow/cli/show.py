@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gaitflow.cli.errors import bad_input, print_json, refused_artifact
-from gaitflow.cli.options import json_option, task_options
+from gaitflow.cli.options import PUBLISHED, json_option, task_options
 
 if TYPE_CHECKING:
     from gaitflow.report.stored import Ranked
 
 
 @click.command()
-@click.argument("folder", type=click.Path(path_type=Path))
+@click.argument("folder", type=PUBLISHED)
 @task_options
 @click.option("--gait", help="Draw the gait of this name; by default the one that costs least.")
 @click.option("--rank", type=click.IntRange(1), help="Draw the gait of this rank: 1 costs least.")

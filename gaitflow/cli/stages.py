@@ -14,6 +14,7 @@ from gaitflow.core.task import AXES
 from gaitflow.pipeline import stages
 from gaitflow.pipeline.snakemake import run_workflow
 from gaitflow.pipeline.workspace import Workspace
+from gaitflow.runtime.remote import local_folder
 
 
 @click.command()
@@ -225,9 +226,10 @@ def report(
 
 
 def _drawn(workspace: Workspace, scenario: str, output: Path | None) -> list[Path]:
-    """The files of the report of a folder when there is one of that name, else of the run of a scenario."""
-    if Path(scenario).is_dir():
-        return stages.report_published(workspace, Path(scenario), output)
+    """The files of the report of a folder or address when it is one, else of the run of a scenario."""
+    folder = local_folder(scenario)
+    if folder.is_dir():
+        return stages.report_published(workspace, folder, output)
     if output is not None:
         raise ConfigError(f"--output {output}: {scenario} is no folder of a map or dataset; a run's report is in runs/")
     return stages.report(workspace, workspace.scenario(scenario))

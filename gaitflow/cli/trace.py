@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gaitflow.cli.errors import bad_input, print_json, refused_artifact
-from gaitflow.cli.options import json_option, task_options
+from gaitflow.cli.options import PUBLISHED, json_option, task_options
 from gaitflow.core.task import AXES
 from gaitflow.pipeline.workspace import Workspace
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("model", type=click.Path(path_type=Path))
+@click.argument("model", type=PUBLISHED)
 @task_options
 @json_option
 @click.pass_obj

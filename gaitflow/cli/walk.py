@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gaitflow.cli.errors import bad_input, fail, print_json, refused_artifact
-from gaitflow.cli.options import json_option, task_options
+from gaitflow.cli.options import PUBLISHED, json_option, task_options
 from gaitflow.cli.plan import plan_data
 from gaitflow.config.file import ConfigError
 
@@ -24,7 +24,7 @@ VIDEOS = (".html", ".png")
 
 
 @click.command()
-@click.argument("artifact", type=click.Path(path_type=Path))
+@click.argument("artifact", type=PUBLISHED)
 @task_options
 @click.option("--gait", help="Walk in this gait of the map instead of the cheapest.")
 @click.option(

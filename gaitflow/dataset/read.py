@@ -16,6 +16,7 @@ from gaitflow.core.task import Split
 from gaitflow.core.trajectory import Array
 from gaitflow.dataset.legacy import modern_table
 from gaitflow.dataset.sound import schema_fault, table_fault
+from gaitflow.runtime.remote import local_folder
 from gaitflow.search.solution import Solution
 from gaitflow.tables.provenance import read_record
 from gaitflow.tables.schema import scalar_columns
@@ -127,13 +128,15 @@ class Solutions(Sequence[StoredSolution]):
 def load_solutions(path: str | Path) -> Solutions:
     """Read the solutions of a dataset: a Parquet file, or the folder (of one version) that holds `solutions.parquet`.
 
+    The folder may be at an address, such as s3://bucket/datasets/NAME: see `gaitflow.runtime.remote`.
+
     Gives, a solution: task (`speed` m/s, `cycle_duration` s, any axis as in `task["slope"]`, `split`), `pattern`,
     `gait`, `status`, `cost`, `violation`, and when a trajectory is kept `times` [K+1], `base` [K+1, nb], `feet`
     [K+1, legs, d], `forces` and `end_forces` [K, legs, d], `durations` [phases]. `.frame()` gives the scalars as
     pandas. Datasets of all versions are read, and come in today's form.
     Raises FileNotFoundError, and ValueError that names the file when it is damaged or not one of ours.
     """
-    file_path = file_in(Path(path), FILE_NAME)
+    file_path = file_in(local_folder(path), FILE_NAME)
     check_seal(file_path)
     with opened(file_path, MAX_ROWS) as file:
         record = read_record(file.metadata.metadata, str(file_path))

@@ -7,7 +7,6 @@ import time
 from collections.abc import Mapping
 from dataclasses import replace
 from os import PathLike
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,6 +26,7 @@ from gaitflow.runtime.plan import Asked, Plan, refine_ranked
 from gaitflow.runtime.problem import Problem
 from gaitflow.runtime.questions import Questions
 from gaitflow.runtime.refine import Candidate, Refiner
+from gaitflow.runtime.remote import local_folder
 from gaitflow.runtime.switching import TransitionPlanner, TransitionProblem, check_switchable
 from gaitflow.runtime.tensors import WarmStart, warm_start
 from gaitflow.runtime.versions import resolve
@@ -57,13 +57,13 @@ class GaitMap:
 
     @classmethod
     def load(cls, path: str | PathLike[str], trust_code: bool = False) -> GaitMap:
-        """Load `models/<scenario>/<version>`, or the newest version in `models/<scenario>`.
+        """Load `models/<scenario>/<version>`, or the newest version in `models/<scenario>`, here or at an address.
 
         The digest of every file that is read is checked. Maps of formats 1 and 2 hold their problem as code, which
         plans only with `trust_code`: it runs in this process. Raises ArtifactError that names the file and what is
         wrong with it.
         """
-        return cls(load_artifact(resolve(Path(path))), trust_code)
+        return cls(load_artifact(resolve(local_folder(path))), trust_code)
 
     @property
     def manifest(self) -> Manifest:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -37,6 +38,11 @@ def versions_in(folder: Path) -> tuple[Version, ...]:
         return ()
     names = (entry.name for entry in folder.iterdir() if entry.is_dir())
     return tuple(sorted(Version.parse(name) for name in names if _VERSION.fullmatch(name)))
+
+
+def newest_of(names: Iterable[str]) -> Version | None:
+    """The highest of the names that are versions, None when none is."""
+    return max((Version.parse(name) for name in names if _VERSION.fullmatch(name)), default=None)
 
 
 def resolve(path: Path) -> Path:
