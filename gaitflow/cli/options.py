@@ -20,7 +20,7 @@ Command = TypeVar("Command", bound=Callable[..., Any])
 SHORT = {"cycle_duration": "--cycle"}  # beside the axis' own name
 
 
-class PublishedFolder(click.ParamType):
+class PublishedFolder(click.ParamType[Path]):
     """A folder of a map or dataset: a path, or an address, whose newest version is fetched and checked."""
 
     name = "folder"

@@ -165,10 +165,13 @@ def train(workspace: Workspace, scenario: str, constant: bool, as_json: bool) ->
 @click.command()
 @scenario_argument
 @click.option("--version", help="Publish under this version, such as 1.0.0; by default the next free one.")
+@click.option("--force", is_flag=True, help="Publish also a map beyond its scenario's limits; its card says so.")
 @json_option
 @click.pass_obj
-def publish(workspace: Workspace, scenario: str, version: str | None, as_json: bool) -> None:
+def publish(workspace: Workspace, scenario: str, version: str | None, force: bool, as_json: bool) -> None:
     """Publish the dataset and the map of SCENARIO as a version that never changes.
+
+    A map whose regret, infeasible picks or certificate are beyond the limits of its scenario is refused.
 
     \b
     Example: gaitflow publish quickstart
@@ -178,7 +181,7 @@ def publish(workspace: Workspace, scenario: str, version: str | None, as_json: b
     with bad_input():
         resolved = workspace.scenario(scenario)
         try:
-            done = stages.publish(workspace, resolved, version)
+            done = stages.publish(workspace, resolved, version, force)
         except PublishError as error:
             fail(str(error))
     if as_json:

@@ -18,6 +18,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, mod
 from gaitflow import shipped
 from gaitflow.config.axes import Range, Tasks
 from gaitflow.config.file import Config, ConfigError, meant, read_yaml, require_mapping
+from gaitflow.config.limits import Limits
 from gaitflow.config.robot import Robot, load_robot
 from gaitflow.core.gaits import Symmetry
 from gaitflow.core.task import AXES, Task
@@ -171,6 +172,7 @@ class Scenario(Config):
     tasks: Tasks
     strategy: Strategy = Strategy()
     learning: Learning = Learning()
+    limits: Limits = Limits()
 
     @model_validator(mode="after")
     def _terms_agree(self) -> Scenario:
@@ -223,10 +225,12 @@ class Scenario(Config):
         return self
 
     @model_serializer(mode="wrap")
-    def _without_unused_clearance(self, data: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Scenarios without clearance are the same data as before there was any."""
+    def _without_unused(self, data: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Scenarios without clearance, or with the usual limits, are the same data as before there were any."""
         found: dict[str, Any] = data(self)
-        return found if self.swing_clearance else {key: found[key] for key in found if key != "swing_clearance"}
+        unused = set() if self.swing_clearance else {"swing_clearance"}
+        unused |= {"limits"} if self.limits == Limits() else set()
+        return {key: found[key] for key in found if key not in unused}
 
     def _has_joints(self) -> None:
         """Energy needs joints, a cost that is no sum over Euler's steps, and feet as fast a cycle later."""

@@ -166,10 +166,11 @@ def train(workspace: Workspace, scenario: Scenario, constant: bool) -> dict[str,
     return data
 
 
-def publish(workspace: Workspace, scenario: Scenario, version: str | None) -> PublishedRun:
+def publish(workspace: Workspace, scenario: Scenario, version: str | None, force: bool = False) -> PublishedRun:
     """Publish the dataset and the map, each under a version of its own; the same content is not published twice.
 
-    `version` is the map's. The dataset's is the next free one of its folder, and the map names it.
+    `version` is the map's. The dataset's is the next free one of its folder, and the map names it. Raises PublishError
+    for a map beyond the scenario's limits; with `force` it is published, and its card says so.
     """
     import pandas as pd
 
@@ -177,9 +178,10 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None) -> Pu
     from gaitflow.dataset import load_solutions
     from gaitflow.learn.warmstarts import region_means
     from gaitflow.problem import transcribe
-    from gaitflow.publishing import Parts
+    from gaitflow.publishing import Parts, PublishError
     from gaitflow.publishing import publish as publish_map
     from gaitflow.publishing.dataset import publish_dataset
+    from gaitflow.publishing.judge_map import BEYOND, faults_of_map
     from gaitflow.solvers.options import IPOPT_WARM
     from gaitflow.tables.provenance import made_by
 
@@ -187,6 +189,13 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None) -> Pu
     _need(run.learning, f"gaitflow train {scenario.name}")
     _need(run.atlas_record, f"gaitflow atlas {scenario.name}")
     learning, record = read_json(run.learning), read_json(run.atlas_record)
+    certificate = workspace.results / f"certificate-{scenario.name}.json"
+    faults = faults_of_map(scenario.limits, learning, read_json(certificate) if certificate.exists() else None)
+    if faults and not force:
+        told = "; ".join(faults)
+        raise PublishError(
+            f"{scenario.name}: {told}: nothing was published; --force publishes it, and the card says so"
+        )
     labels, problem = pd.read_parquet(run.labels), transcribe(scenario)
     starts = region_means(labels, load_solutions(run.solutions), problem.layout.pack, map_symmetry(scenario))
     known, gaits = _atlas_of(run, scenario)
@@ -201,7 +210,7 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None) -> Pu
         atlas=known.of([gaits.index(gait) for gait in learning["classes"]]),
         dataset={"name": scenario.name, "version": dataset.name},
         code=made_by(),
-        metrics=learning | {"atlas": record},
+        metrics=learning | {"atlas": record} | ({BEYOND: faults} if faults else {}),
         solver_options=IPOPT_WARM,
     )
     model = publish_map(workspace.models, parts, version)

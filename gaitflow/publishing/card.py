@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from gaitflow.core.gaits import Pattern, diagram
 from gaitflow.core.task import AXES
+from gaitflow.publishing.judge_map import BEYOND
 from gaitflow.runtime.manifest import TIME_FORMAT, Manifest
 
 _QUALITY = ("accuracy", "macro_f1", "top1_beyond_ties", "regret_mean", "regret_p95", "infeasible_rate")
@@ -21,7 +22,7 @@ _MOTIONS = {
 
 def card(manifest: Manifest) -> str:
     """Markdown: what the map is, for which robot and tasks, how good, its limits, how to load it, its licence."""
-    sections = (_what, _tasks, _gaits, _quality, _starts, _limits, _use)
+    sections = (_what, _beyond_limits, _tasks, _gaits, _quality, _starts, _limits, _use)
     return "\n".join(text for section in sections if (text := section(manifest)))
 
 
@@ -45,6 +46,20 @@ For a task, {axes}, it answers which gait costs least, and where an optimiser of
 | created | {manifest.created.strftime(TIME_FORMAT)} |
 | scenario | SHA-256 {manifest.scenario_digest} |
 | dataset | {manifest.dataset["name"]} {manifest.dataset["version"]} |
+"""
+
+
+def _beyond_limits(manifest: Manifest) -> str:
+    """What of the map is worse than its scenario allows; nothing for a map within its limits."""
+    faults = manifest.metrics.get(BEYOND)
+    if not isinstance(faults, Sequence) or isinstance(faults, str) or not faults:
+        return ""
+    listed = "\n".join(f"- {fault}" for fault in faults)
+    return f"""## Beyond its limits
+
+**This map was published although it is worse than its scenario allows:**
+
+{listed}
 """
 
 

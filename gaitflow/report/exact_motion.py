@@ -55,7 +55,7 @@ def published_map(folder: Path) -> LabelledMap | None:
 
     from gaitflow.dataset.labels_file import read_labels
     from gaitflow.dataset.read import FILE_NAME
-    from gaitflow.publishing.dataset import GAIT_COSTS
+    from gaitflow.publishing.dataset_facts import GAIT_COSTS
     from gaitflow.runtime.versions import versions_in
     from gaitflow.tables.provenance import read_record
 

@@ -8,7 +8,7 @@ import pandas as pd
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.dataset.read import load_solutions
-from gaitflow.publishing.dataset import LABELS
+from gaitflow.publishing.dataset_facts import LABELS
 from gaitflow.report.map_answers import map_answers
 from gaitflow.report.report import write_report
 from gaitflow.report.stored import scenario_of

@@ -171,6 +171,21 @@ def test_publishing_the_same_again_makes_no_version(solved: Path) -> None:
     assert done.exit_code == 1 and "published already" in done.stderr
 
 
+def test_a_map_beyond_its_limits_is_published_only_by_force(solved: Path, tmp_path: Path) -> None:
+    root = tmp_path / "copy"
+    shutil.copytree(solved, root)
+    (root / "docs/results").mkdir(parents=True)
+    (root / "docs/results/certificate-small.json").write_text(json.dumps({"summary": {"gap_max_rel": 0.3}}))
+    refused = call(root, "publish", "small")
+    assert refused.exit_code == 1 and "is 0.3, more than limits.certificate_gap = 0.01" in refused.stderr
+    assert len(refused.stderr.splitlines()) == 1
+    assert [each.name for each in (root / "models/small").iterdir()] == ["1.0.0"]
+    forced = json.loads(call(root, "publish", "small", "--force", "--json").stdout)
+    card = Path(forced["model"], "README.md").read_text()
+    assert forced["version"] == "1.1.0" and "- share by which a label costs more than what its certificate" in card
+    assert call(root, "verify", forced["model"]).exit_code == 0
+
+
 def test_a_damaged_dataset_is_found(solved: Path, tmp_path: Path) -> None:
     copy = tmp_path / "1.0.0"
     shutil.copytree(solved / "datasets/small/1.0.0", copy)

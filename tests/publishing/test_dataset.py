@@ -17,7 +17,8 @@ from gaitflow.config.tasks import tasks_of
 from gaitflow.dataset import load_solutions
 from gaitflow.dataset.collect import collect
 from gaitflow.dataset.labels import gait_costs, label_tasks
-from gaitflow.publishing.dataset import FILES, LABELS, publish_dataset, read_manifest
+from gaitflow.publishing.dataset import FILES, publish_dataset, read_manifest
+from gaitflow.publishing.dataset_facts import LABELS
 from gaitflow.publishing.verify_dataset import verify_dataset
 from gaitflow.publishing.versioned_folder import VersionExists
 from gaitflow.store.parts import UnitStore

@@ -1,0 +1,32 @@
+"""Whether a map is good enough to be published, by the limits of its scenario."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from gaitflow.config.limits import Limits
+
+BEYOND = (
+    "beyond_limits"  # among a manifest's metrics: what `faults_of_map` found when the map was published all the same
+)
+
+
+def faults_of_map(limits: Limits, metrics: Mapping[str, Any], certificate: Mapping[str, Any] | None) -> list[str]:
+    """What of a map lies beyond its limits, a sentence each; nothing where nothing was measured.
+
+    `metrics` is `Training.as_data()`: its picks on held-out tasks count. `certificate` is the document of the bench
+    `certificate` for this scenario, None where there is none.
+    """
+    picks = (metrics.get("published") or {}).get("map_held_out") or {}
+    gap = None if certificate is None else certificate["summary"]["gap_max_rel"]
+    measured = [
+        ("regret_mean", "mean cost regret of the picks on held-out tasks", picks.get("regret_mean")),
+        ("infeasible_rate", "share of picks on held-out tasks without a known motion", picks.get("infeasible_rate")),
+        ("certificate_gap", "share by which a label costs more than what its certificate found", gap),
+    ]
+    return [
+        f"{what} is {value:.3g}, more than limits.{name} = {getattr(limits, name):g}"
+        for name, what, value in measured
+        if value is not None and value > getattr(limits, name)
+    ]
