@@ -59,7 +59,10 @@ def fault_of(words: list[str], checkout: Path) -> str | None:
     if command.name == "bench" and argument not in BENCHES:
         return f"no bench {argument}"
     takes = {each.name for each in command.params if isinstance(each, click.Argument)}
-    if "scenario" in takes and not (checkout / f"configs/scenarios/{argument}.yaml").is_file():
+    folder = argument.startswith(("models/", "datasets/"))  # of which `report` takes one in a scenario's place
+    if folder and not (checkout / argument).is_dir() and argument.split("/")[1] not in ("quickstart", *PLACEHOLDERS):
+        return f"no folder {argument}"
+    if "scenario" in takes and not folder and not (checkout / f"configs/scenarios/{argument}.yaml").is_file():
         return f"no scenario {argument}"
     return None
 

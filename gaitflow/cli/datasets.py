@@ -12,7 +12,11 @@ from gaitflow.cli.options import PUBLISHED, json_option
 
 @click.group()
 def datasets() -> None:
-    """Prepare published datasets for others."""
+    """Prepare published datasets for others.
+
+    \b
+    Example: gaitflow datasets describe datasets/anymal-energy --output anymal-energy-1.0.0
+    """
 
 
 @datasets.command()

@@ -24,7 +24,11 @@ SHOWN = 10  # disagreements, the dearest
 
 @click.group()
 def models() -> None:
-    """Say which maps are published, and where two of them disagree."""
+    """Say which maps are published, and where two of them disagree.
+
+    \b
+    Example: gaitflow models list
+    """
 
 
 @models.command("list")

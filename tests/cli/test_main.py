@@ -384,9 +384,9 @@ def test_report_wants_a_scenario_or_claims(tmp_path: Path) -> None:
 
 def test_every_command_explains_itself_with_an_example() -> None:
     assert set(main.commands) == {
-        "atlas", "bench", "cancel", "compact", "doctor", "drive", "estimate", "export", "init", "label", "labels",
-        "plan", "publish", "report", "robot", "run", "show", "solve", "status", "submit", "train", "validate", "verify",
-        "walk",
+        "atlas", "bench", "cancel", "compact", "datasets", "doctor", "drive", "estimate", "export", "init", "label",
+        "labels", "models", "paper", "plan", "publish", "report", "robot", "run", "show", "solve", "status", "submit",
+        "trace", "train", "upload", "validate", "verify", "walk",
     }  # fmt: skip
     for name in main.commands:
         done = CliRunner().invoke(main, [name, "--help"])
