@@ -136,14 +136,14 @@ def _made(facts: DatasetFacts) -> str:
     digest = facts.record["scenario_digest"]
     return f"""## How it was made
 
-Every task was solved by gaitflow's search `{facts.scenario["strategy"]["name"]}`; solved by, which the Parquet metadata
-`gaitflow` have in full, with the scenario whole and the solvers' options:
+Every task was solved by gaitflow's search `{facts.scenario["strategy"]["name"]}`, on these machines; the metadata entry
+`gaitflow` of the Parquet files has all of it, with the scenario whole and the solvers' options:
 
 | code, machine, packages |
 | --- |
 {makers}
 
-To make it again, check that commit out: `gaitflow solve {facts.name}`, then `gaitflow label {facts.name}`. The
+To make it again, check out that commit: `gaitflow solve {facts.name}`, then `gaitflow label {facts.name}`. The
 scenario's SHA-256 is {digest}.
 """
 
