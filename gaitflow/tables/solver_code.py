@@ -12,10 +12,11 @@ from pathlib import Path
 import gaitflow
 
 SOLVER_SOURCES = (
-    "problem/*.py", "solvers/*.py", "search/*.py", "config/axes.py", "config/limbs.py", "config/scenario.py",
-    "config/robot.py", "core/check.py", "core/continuous.py", "core/force_rate.py", "core/gaits.py", "core/joints.py",
-    "core/layout.py", "core/mesh_error.py", "core/rigid_body.py", "core/swing_reach.py", "core/swing_reaction.py",
-    "core/task.py", "core/task_space.py", "core/trajectory.py", "core/twist.py",
+    "problem/*.py", "solvers/*.py", "search/*.py", "config/axes.py", "config/limbs.py", "config/limits.py",
+    "config/scenario.py", "config/robot.py", "core/check.py", "core/continuous.py", "core/force_rate.py",
+    "core/gaits.py", "core/joints.py", "core/layout.py", "core/mesh_error.py", "core/rigid_body.py",
+    "core/swing_reach.py", "core/swing_reaction.py", "core/task.py", "core/task_space.py", "core/trajectory.py",
+    "core/twist.py",
 )  # fmt: skip
 
 
