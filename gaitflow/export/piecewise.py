@@ -98,7 +98,7 @@ def _copies(copies: Copies, w: Any, task: Any, multipliers: Any) -> _Part:
     count = len(copies.places)
     symbols = [casadi.SX.sym(f"in_{i}", copies.function.numel_in(i)) for i in range(3)]
     pushes = casadi.SX.sym("multipliers", copies.rows.shape[1])
-    functions = _derived("copy", symbols, pushes, copies.function(*symbols), symbols[0])
+    functions = _derived("copy", symbols, pushes, list(copies.function(*symbols)), symbols[0])
     arguments = [_gathered(w, copies.places), casadi.MX(casadi.DM(copies.data.T)), task]
     arguments.append(_gathered(multipliers, copies.rows))
     nowhere = np.zeros((count, 1), dtype=np.intp)

@@ -119,7 +119,8 @@ def transcribe(scenario: Scenario) -> GaitProblem:
     w, parameters = ca.SX.sym("w", layout.nw), ca.SX.sym("task", len(AXES))
     task = task_parameters(scenario.tasks, parameters)
     nodes, times = _Nodes(layout, w, body_of(scenario.robot, task)), _times(layout, w[layout.fractions], task)
-    steps, others = (each(scenario, layout, w, task, nodes, times) for each in (_step_terms, _others))
+    steps = _step_terms(scenario, layout, w, task, nodes, times)
+    others = _others(scenario, layout, w, task, nodes, times)
 
     def program(name: str, steps: Sequence[StepTerms], others: _Others) -> ca.Function:
         cost, groups = _joined(steps, others)
@@ -284,8 +285,8 @@ def _minlp(scenario: Scenario, layout: Layout, cost_scale: float) -> ca.Function
     w, parameters = ca.SX.sym("w", layout.nw + contacts), ca.SX.sym("task", len(AXES))
     task = task_parameters(scenario.tasks, parameters)
     nodes, times = _Nodes(layout, w, body_of(scenario.robot, task)), _times(layout, w[layout.fractions], task)
-    steps, others = (each(scenario, layout, w, task, nodes, times) for each in (_step_terms, _others))
-    cost, groups = _joined(steps, others)
+    steps = _step_terms(scenario, layout, w, task, nodes, times)
+    cost, groups = _joined(steps, _others(scenario, layout, w, task, nodes, times))
     cost = cost / cost_scale + sum((e.cost(w, parameters) for e in _elements(scenario, layout, cost_scale)), ca.SX(0))
     c = ca.reshape(w[layout.nw :], layout.phases, layout.legs)
     for k in range(layout.steps):
