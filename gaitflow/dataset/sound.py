@@ -17,6 +17,7 @@ from gaitflow.core.task_space import TaskSpace
 from gaitflow.dataset.legacy import modern_table
 from gaitflow.tables.schema import HEAVY, MULTIPLIERS, array_shapes, schema_difference, solution_schema
 
+NAMELESS = {"", "none"}  # patterns of units that failed, and of restarts that ended without one
 LARGEST = 1e15  # of a number in a motion: far above what motions hold, and products of several are still finite
 
 
@@ -44,8 +45,11 @@ def table_fault(table: pa.Table, scenario: Mapping[str, Any]) -> str | None:
             space.task(row, split)
         except ValueError as error:
             return f"a task is none of the scenario's: {error}"
+    unsolved = table.filter(pc.not_equal(table["status"], "solved"))
     for name in ("pattern", "gait"):
-        for text in pc.unique(table[name]).to_pylist():
+        nameless = set(pc.unique(unsolved[name]).to_pylist()) & NAMELESS
+        solved = set(pc.unique(table.filter(pc.equal(table["status"], "solved"))[name]).to_pylist())
+        for text in solved | set(pc.unique(table[name]).to_pylist()) - nameless:
             if fault := _pattern_fault(name, text, layout):
                 return fault
     return _motion_fault(table, layout)

@@ -66,6 +66,7 @@ for address, credentials in ((sys.argv[1], None), (sys.argv[1].replace("tls", "t
 
 
 @pytest.mark.skipif(os.getuid() != 0, reason="only root may start a process of another user")
+@pytest.mark.timeout(300)
 def test_another_user_of_the_machine_runs_nothing(client: Client) -> None:
     credentials = client.security.get_tls_config_for_role("client")
     nobody = pwd.getpwnam("nobody")
@@ -77,7 +78,7 @@ def test_another_user_of_the_machine_runs_nothing(client: Client) -> None:
         str(nobody.pw_gid),
     ]
     command = [sys.executable, "-c", STRANGER, *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
     said = done.stdout.split("\n")[:-1]
     assert [line.split()[0] for line in said] == ["refused"] * 3, done.stdout + done.stderr
     assert said[2] == "refused PermissionError"

@@ -87,7 +87,8 @@ def test_another_budget_is_another_run(
 NOT_BONMIN = {
     "gaitflow", "gaitflow.config", "gaitflow.config.file", "gaitflow.config.frames", "gaitflow.core",
     "gaitflow.core.errors", "gaitflow.core.names", "gaitflow.search", "gaitflow.search.attempts",
-    "gaitflow.search.rows", "gaitflow.search.solution", "gaitflow.solvers", "gaitflow.solvers.elements",
+    "gaitflow.search.rows", "gaitflow.search.solution", "gaitflow.shipped", "gaitflow.solvers",
+    "gaitflow.solvers.elements",
     "gaitflow.solvers.fixed_gait", "gaitflow.solvers.interior_point", "gaitflow.solvers.kkt",
     "gaitflow.solvers.options", "gaitflow.solvers.paths", "gaitflow.solvers.point", "gaitflow.solvers.program",
 }  # fmt: skip
