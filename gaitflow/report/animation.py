@@ -6,18 +6,16 @@ a dataset can run, whatever it says.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, StrictUndefined
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.check import FEASIBLE, violations
 from gaitflow.core.task_space import TaskSpace
 from gaitflow.core.trajectory import Array
 from gaitflow.report import axis_text
-from gaitflow.report.inline import packaged, policy
+from gaitflow.report.inline import packaged, policy, template
 from gaitflow.report.palette import lighter
 from gaitflow.report.scene import Scene, scene_of
 from gaitflow.report.snapshot import BODY_COLOUR, FORCE_COLOUR, GROUND_COLOUR, SWING_COLOUR
@@ -25,6 +23,7 @@ from gaitflow.report.tables import number
 from gaitflow.search.solution import Solution
 
 DIGITS = 5  # of stored lengths, angles and forces over weight
+PLAYER = ("animation_view.js", "motion_player.js")
 
 
 def animation_page(solution: Solution, scenario: Scenario, gait: str, colour: str) -> str:
@@ -35,9 +34,9 @@ def animation_page(solution: Solution, scenario: Scenario, gait: str, colour: st
     scene = scene_of(solution, scenario)
     assert solution.trajectory is not None
     found = violations(scenario.as_data(), solution.trajectory, solution.task, solution.pattern)
-    script, style = packaged("animation_view.js") + packaged("animation.js"), packaged("animation.css")
-    template = Environment(autoescape=True, undefined=StrictUndefined).from_string(packaged("animation.html.jinja"))
-    return template.render(
+    script = "".join(map(packaged, (*PLAYER, "animation.js")))
+    style = packaged("animation.css") + packaged("player.css")
+    return template("animation.html.jinja").render(
         title=f"{scenario.robot.name}: {gait}",
         robot=scenario.robot.name,
         gait=gait,
@@ -52,39 +51,49 @@ def animation_page(solution: Solution, scenario: Scenario, gait: str, colour: st
     )
 
 
-def animation_data(scene: Scene, solution: Solution, scenario: Scenario, colour: str) -> Mapping[str, Any]:
-    """What the script draws, as plain data: metres, radians and seconds; forces over the robot's weight."""
+def animation_data(scene: Scene, solution: Solution, scenario: Scenario, colour: str) -> dict[str, Any]:
+    """What the player's script draws, as plain data: metres, radians and seconds; forces over the robot's weight."""
+    return robot_data(scene, scenario) | motion_data(scene, colour, DIGITS)
+
+
+def robot_data(scene: Scene, scenario: Scenario) -> dict[str, Any]:
+    """The part of `animation_data` that all motions of a scenario share."""
     return {
         "planar": scene.planar,
-        "slope": scene.slope,
         "height": scene.height,
-        "curved": scene.curved,
-        "times": _rounded(scene.times),
-        "path": _rounded(scene.path),
-        "headings": _rounded(scene.headings),
-        "position": _rounded(scene.position),
-        "velocity": _rounded(scene.velocity),
-        "angles": _rounded(scene.angles),
-        "angleRates": _rounded(scene.angle_rates),
-        "feet": _rounded(scene.feet),
-        "forces": _rounded(scene.forces / scene.weight),
-        "endForces": _rounded(scene.end_forces / scene.weight),
-        "durations": _rounded(scene.durations),
-        "rows": list(scene.rows),
         "legs": list(scenario.robot.leg_names),
-        "hips": _rounded(scene.hips),
-        "defaultFeet": _rounded(scene.default_feet),
-        "box": _rounded(scene.box),
-        "body": _rounded(scene.body),
-        "colours": {
-            "stance": colour,
-            "pale": lighter(colour, 0.8),
-            "swing": SWING_COLOUR,
-            "force": FORCE_COLOUR,
-            "body": BODY_COLOUR,
-            "ground": GROUND_COLOUR,
-        },
+        "hips": _rounded(scene.hips, DIGITS),
+        "defaultFeet": _rounded(scene.default_feet, DIGITS),
+        "box": _rounded(scene.box, DIGITS),
+        "body": _rounded(scene.body, DIGITS),
     }
+
+
+def motion_data(scene: Scene, colour: str, digits: int) -> dict[str, Any]:
+    """The part of `animation_data` that is one motion, rounded to so many digits behind the point."""
+    series = {
+        "times": scene.times,
+        "path": scene.path,
+        "headings": scene.headings,
+        "position": scene.position,
+        "velocity": scene.velocity,
+        "angles": scene.angles,
+        "angleRates": scene.angle_rates,
+        "feet": scene.feet,
+        "forces": scene.forces / scene.weight,
+        "endForces": scene.end_forces / scene.weight,
+        "durations": scene.durations,
+    }
+    colours = {
+        "stance": colour,
+        "pale": lighter(colour, 0.8),
+        "swing": SWING_COLOUR,
+        "force": FORCE_COLOUR,
+        "body": BODY_COLOUR,
+        "ground": GROUND_COLOUR,
+    }
+    rounded = {name: _rounded(values, digits) for name, values in series.items()}
+    return rounded | {"slope": scene.slope, "curved": scene.curved, "rows": list(scene.rows), "colours": colours}
 
 
 def _facts(solution: Solution, space: TaskSpace, worst: float) -> list[tuple[str, str]]:
@@ -97,5 +106,5 @@ def _facts(solution: Solution, space: TaskSpace, worst: float) -> list[tuple[str
     ]
 
 
-def _rounded(values: Array) -> Any:
-    return np.round(values, DIGITS).tolist()
+def _rounded(values: Array, digits: int) -> Any:
+    return (np.round(values, digits) + 0.0).tolist()  # no "-0.0"

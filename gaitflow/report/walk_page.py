@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, StrictUndefined
 
 from gaitflow.core.trajectory import Array
-from gaitflow.report.inline import packaged, policy
+from gaitflow.report.inline import packaged, policy, template
 from gaitflow.report.palette import lighter
 from gaitflow.report.snapshot import BODY_COLOUR, FORCE_COLOUR, SWING_COLOUR
 from gaitflow.report.walk_scene import EDGES, WalkScene
@@ -19,9 +18,8 @@ DIGITS = 4  # of stored lengths and forces over weight
 
 def walk_page(scene: WalkScene, title: str, facts: Sequence[tuple[str, str]], colour: str) -> str:
     """The walk as HTML; facts are (name, value) pairs shown above it, colour the gait's hex colour."""
-    script, style = packaged("walk.js"), packaged("animation.css")
-    template = Environment(autoescape=True, undefined=StrictUndefined).from_string(packaged("walk.html.jinja"))
-    return template.render(
+    script, style = packaged("walk.js"), packaged("animation.css") + packaged("player.css")
+    return template("walk.html.jinja").render(
         title=title, facts=facts, data=_data(scene, colour), script=script, style=style, policy=policy(script, style)
     )
 

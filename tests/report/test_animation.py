@@ -140,7 +140,7 @@ needs_browser = pytest.mark.skipif(shutil.which("chromium") is None, reason="nee
 
 # A visitor: every control once, what the page says after it.
 VISIT = """
-const said = [];
+const said = [], slider = element("time"), play = element("play"), view = element("view");
 const say = () => said.push(element("state").textContent.split(" ")[2] + " " + play.textContent);
 const press = (key, where = document.body) => where.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
 const picture = () => view.toDataURL();
