@@ -43,9 +43,8 @@ def draw_gait_map(
     """
     slices = slices_of(labels, space)
     order = by_size(labels, gaits)
-    named = order if len(order) <= MAX_NAMED + 1 else order[:MAX_NAMED]
-    own = gait_colours(order)
-    colours = {name: own[name] if name in named else TAIL for name in order}
+    colours = map_colours(order)
+    named = [name for name in order if colours[name] != TAIL]
     numbered = any(kind_and_contacts(name)[1] for name in named)
     short = {name: str(i) if numbered else name for i, name in enumerate(named, start=1)}
     entries = {f"{i}   {name}" if numbered else name: colours[name] for i, name in enumerate(named, start=1)}
@@ -69,6 +68,13 @@ def draw_gait_map(
     else:
         figure.legend(handles=handles, loc="outside right upper", fontsize=10, frameon=False)
     return figure
+
+
+def map_colours(order: Sequence[str]) -> dict[str, str]:
+    """Hex colour of each gait on a map: its own, and one grey beyond the first MAX_NAMED, unless that is one gait."""
+    own = gait_colours(order)
+    named = order if len(order) <= MAX_NAMED + 1 else order[:MAX_NAMED]
+    return {name: own[name] if name in named else TAIL for name in order}
 
 
 def _panels(slices: Slices, legend_lines: int) -> tuple[Figure, list[Panel]]:

@@ -51,8 +51,8 @@ def main_axes(space: TaskSpace) -> tuple[str, str | None]:
     return first, others[0] if others else None
 
 
-def slices_of(labels: pd.DataFrame, space: TaskSpace) -> Slices:
-    """The panels of a labels frame, by rising values of the further axes; at most MAX_PANELS, the outermost kept.
+def slices_of(labels: pd.DataFrame, space: TaskSpace, most: int | None = MAX_PANELS) -> Slices:
+    """The panels of a labels frame, by rising values of the further axes; at most `most`, the outermost kept.
 
     Raises ValueError when there is no task.
     """
@@ -65,7 +65,7 @@ def slices_of(labels: pd.DataFrame, space: TaskSpace) -> Slices:
     rounded = labels[further].round(DECIMALS)
     on_grid = rounded[labels["split"] == "grid"].drop_duplicates().sort_values(further)
     places = (on_grid if len(on_grid) else rounded.drop_duplicates().sort_values(further)).to_dict("records")
-    chosen = np.unique(np.linspace(0, len(places) - 1, min(len(places), MAX_PANELS)).round().astype(int))
+    chosen = np.unique(np.linspace(0, len(places) - 1, min(len(places), most or len(places))).round().astype(int))
     inside = [(rounded == pd.Series(place)).all(axis=1) for place in places]
     panels = tuple(
         Slice({str(axis): float(value) for axis, value in places[i].items()}, labels[inside[i]]) for i in chosen

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Hashable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,8 +20,21 @@ Key = tuple[object, ...]
 def winners(labels: pd.DataFrame, solutions: Iterable[Solution], space: TaskSpace) -> dict[str, list[Solution]]:
     """Of each gait, in legend order, the best solutions of the tasks it wins, by the rising axes of `space.columns`.
 
-    A solution belongs to a label when task, split and pattern agree; of several the cheapest. Solutions without a
-    trajectory are left out, so a gait whose trajectories were not stored has an empty list.
+    As `winning_motions` has them; a gait whose trajectories were not stored has an empty list.
+    """
+    motions = winning_motions(labels, solutions, space)
+    solved = labels[labels["status"] == "solved"].sort_values(list(space.columns), kind="stable")
+    regions: dict[str, list[Solution]] = {name: [] for name in ordered_gaits(solved["gait"])}
+    for row, gait in solved["gait"].items():
+        if row in motions:
+            regions[gait].append(motions[row])
+    return regions
+
+
+def winning_motions(labels: pd.DataFrame, solutions: Iterable[Solution], space: TaskSpace) -> dict[Hashable, Solution]:
+    """The solution behind each label, by the label's index; solutions without a trajectory are left out.
+
+    A solution belongs to a label when task, split and pattern agree; of several the cheapest.
     """
     axes = space.columns
     best: dict[Key, Solution] = {}
@@ -30,13 +43,9 @@ def winners(labels: pd.DataFrame, solutions: Iterable[Solution], space: TaskSpac
         usable = solution.status == "solved" and solution.trajectory is not None
         if usable and (key not in best or solution.cost < best[key].cost):
             best[key] = solution
-    solved = labels[labels["status"] == "solved"].sort_values(list(axes), kind="stable")
-    regions: dict[str, list[Solution]] = {name: [] for name in ordered_gaits(solved["gait"])}
-    for row in solved.to_dict("records"):
-        solution_of_task = best.get(_key(row, axes, row["split"], row["pattern"]))
-        if solution_of_task is not None:
-            regions[row["gait"]].append(solution_of_task)
-    return regions
+    solved = labels[labels["status"] == "solved"]
+    keys = [_key(row, axes, row["split"], row["pattern"]) for row in solved.to_dict("records")]
+    return {row: best[key] for row, key in zip(solved.index, keys, strict=True) if key in best}
 
 
 def by_size(labels: pd.DataFrame, gaits: Iterable[str] = ()) -> tuple[str, ...]:
