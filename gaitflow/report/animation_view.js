@@ -4,7 +4,7 @@
 const FOOT_RADIUS = 5; // px
 const FACES = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
 
-// --- vectors -------------------------------------------------------------------------------------------------------
+// --- vectors -----------------------------------------------------------------------------------------------------
 const add = (a, b) => a.map((x, i) => x + b[i]);
 const subtract = (a, b) => a.map((x, i) => x - b[i]);
 const scaled = (a, s) => a.map((x) => x * s);
@@ -49,7 +49,7 @@ function robotView(canvas, motion, camera, shown) {
     return times([[ca, sa, 0], [-sa * se, ca * se, ce], [sa * ce, -ca * ce, se]], v);
   }
 
-  // --- the robot at a time --------------------------------------------------------------------------------------------
+  // --- the robot at a time ------------------------------------------------------------------------------------------
   function stepAt(t) {
     let step = motion.times.findIndex((knot) => knot > t) - 1;
     return step < 0 ? knots - 2 : step;
@@ -89,7 +89,7 @@ function robotView(canvas, motion, camera, shown) {
     };
   }
 
-  // --- the view -------------------------------------------------------------------------------------------------------
+  // --- the view -----------------------------------------------------------------------------------------------------
   function draw(pose, cycles) {
     const [context, width, height] = prepared(canvas, canvas.clientHeight);
     const reach = Math.max(...motion.body.map((corner) => Math.hypot(corner[0], corner[1]))) + 0.5 * motion.height;

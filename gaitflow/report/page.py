@@ -1,15 +1,21 @@
-"""One self-contained HTML page: no script, nothing loaded from elsewhere, every text escaped."""
+"""One self-contained HTML page: nothing loaded from elsewhere, every text escaped, an interactive map if there is one.
+
+Without JavaScript the page has everything else.
+"""
 
 from __future__ import annotations
 
 import base64
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from importlib.resources import files
+from typing import Any
 
-from jinja2 import Environment, StrictUndefined
-
+from gaitflow.report.animation import PLAYER
+from gaitflow.report.inline import packaged, policy, template
 from gaitflow.report.tables import Table
+
+SCRIPTS = (*PLAYER, "task_panel.js", "interactive_map.js")
+STYLES = ("page.css", "player.css", "interactive_map.css")
 
 
 @dataclass(frozen=True)
@@ -37,9 +43,25 @@ class Section:
 
 
 def render_page(
-    title: str, description: str, highlights: Sequence[tuple[str, str]], sections: Sequence[Section]
+    title: str,
+    description: str,
+    highlights: Sequence[tuple[str, str]],
+    sections: Sequence[Section],
+    interactive: Mapping[str, Any] | None = None,
 ) -> str:
-    """The page as HTML. `highlights` are (name, value) pairs shown large at the top."""
-    source = files("gaitflow.report").joinpath("page.html.jinja").read_text(encoding="utf-8")
-    template = Environment(autoescape=True, undefined=StrictUndefined).from_string(source)
-    return template.render(title=title, description=description, highlights=highlights, sections=sections)
+    """The page as HTML. `highlights` are (name, value) pairs shown large at the top.
+
+    `interactive` is what `interactive_map` gives, None for a page without a script.
+    """
+    script = "" if interactive is None else "".join(map(packaged, SCRIPTS))
+    style = "".join(map(packaged, STYLES if interactive is not None else STYLES[:1]))
+    return template("page.html.jinja").render(
+        title=title,
+        description=description,
+        highlights=highlights,
+        sections=sections,
+        map=interactive,
+        script=script,
+        style=style,
+        policy=policy(script, style),
+    )

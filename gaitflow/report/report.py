@@ -18,6 +18,7 @@ from gaitflow.files import atomic_write
 from gaitflow.report import axis_text
 from gaitflow.report.gait_diagrams import draw_gait_diagrams
 from gaitflow.report.gait_map import draw_gait_map
+from gaitflow.report.interactive_map import interactive_map
 from gaitflow.report.map_panel import Select
 from gaitflow.report.motion import draw_motion
 from gaitflow.report.page import Picture, Section, render_page
@@ -83,6 +84,7 @@ def write_report(
         scenario.description,
         _highlights(labels, learning),
         _sections(scenario, labels, solutions, regions, learning, record, images, tuple(motions)),
+        interactive_map(labels, solutions, scenario, gaits, select),
     )
     files = {f"{name}.png": image for name, image in images.items()} | {PAGE: html.encode("utf-8")}
     for name, content in files.items():
