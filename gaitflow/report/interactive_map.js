@@ -52,7 +52,7 @@ function drawMap() {
   drawAxes();
   marks = new Map(shownTasks().map(([task, index]) => [index, drawMark(task, index)]));
   markChosen();
-  if (held) marks.get(chosen)?.focus();
+  if (held) marks.get(chosen)?.focus({ preventScroll: true });
 }
 
 function drawAxes() {

@@ -19,6 +19,7 @@ from gaitflow.report.palette import lighter
 from gaitflow.report.region_paths import region_paths
 from gaitflow.report.scene import scene_of
 from gaitflow.report.slices import Slices, slices_of
+from gaitflow.report.tables import number
 from gaitflow.report.task_facts import rivals, task_facts
 from gaitflow.report.winners import by_size, winning_motions
 from gaitflow.search.solution import Solution
@@ -61,8 +62,11 @@ def interactive_map(
     tasks = []
     for row, label in zip(labels.index, labels.to_dict("records"), strict=True):
         task = _task(label, slices, *drawn_in[row], colours, space)
-        motion = motion_data(scenes[row], task["colour"], DIGITS) if row in scenes else None
-        tasks.append(task | {"facts": facts[row], "rivals": dearer.get(row, []), "motion": motion})
+        told, motion = facts[row], None
+        if row in scenes:
+            motion = motion_data(scenes[row], task["colour"], DIGITS)
+            told = [*told, ("phases", " + ".join(map(number, scenes[row].durations)) + " s")]
+        tasks.append(task | {"facts": told, "rivals": dearer.get(row, []), "motion": motion})
     won = labels.loc[labels["status"] == "solved", "gait"].value_counts()
     return {
         "start": _start(labels, slices, order[0]) if len(won) else 0,

@@ -42,7 +42,10 @@ def test_a_task_tells_its_numbers(scenario, labels, solutions, gaits, select) ->
     tasks = interactive_map(judged, solutions, scenario, gaits, select)["tasks"]
     slow, fast = (next(task for task in tasks if (task["x"], task["y"]) == (v, 0.4)) for v in (0.1, 2.3))
     assert slow["title"] == "v = 0.1 m/s, T = 0.4 s"
-    assert dict(slow["facts"]) == {
+    *told, (phases, durations) = slow["facts"]
+    assert phases == "phases" and durations.endswith(" s")
+    assert sum(map(float, durations[:-2].split(" + "))) == pytest.approx(0.4, abs=2e-3)
+    assert dict(told) == {
         "split": "grid",
         "cost": "3,708",
         "margin": "0.04 %",
