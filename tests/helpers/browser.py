@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import os
+import shutil
 import subprocess
 import time
 from collections.abc import Iterator
@@ -12,6 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+PROGRAM = shutil.which("chromium") or shutil.which("google-chrome")
 QUIET = ("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--no-first-run", "--disable-extensions")
 WATCHED = ("Runtime", "Log", "Network", "Page")
 COMPLAINTS = ("Runtime.consoleAPICalled", "Runtime.exceptionThrown", "Log.entryAdded")
@@ -120,10 +122,11 @@ def chromium(folder: Path) -> Iterator[Page]:
     inside, to_browser = os.pipe()
     from_browser, outside = os.pipe()
     # The browser reads commands from descriptor 3 and writes to 4.
-    command = 'exec 3<&"$1" 4>&"$2"; shift 2; exec chromium "$@"'
-    options = (*QUIET, f"--user-data-dir={folder}", "--remote-debugging-pipe")
+    command = 'exec 3<&"$1" 4>&"$2"; shift 2; exec "$@"'
+    assert PROGRAM is not None
+    program = (PROGRAM, *QUIET, f"--user-data-dir={folder}", "--remote-debugging-pipe")
     browser = subprocess.Popen(
-        ["bash", "-c", command, "bash", str(inside), str(outside), *options],
+        ["bash", "-c", command, "bash", str(inside), str(outside), *program],
         pass_fds=(inside, outside), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip
     os.close(inside)

@@ -6,7 +6,6 @@ import base64
 import hashlib
 import json
 import re
-import shutil
 import subprocess
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -15,6 +14,7 @@ from pathlib import Path
 import matplotlib.image
 import numpy as np
 import pytest
+from browser import PROGRAM
 
 from gaitflow.report.animation import animation_page
 from gaitflow.report.stored import scenario_of
@@ -130,13 +130,13 @@ def test_a_planar_robot_is_seen_from_the_side(published) -> None:
 def browse(address: str, *options: str) -> subprocess.CompletedProcess[str]:
     """What chromium printed; fails when the page threw or was refused anything."""
     quiet = ["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--enable-logging=stderr"]
-    command = ["chromium", *quiet, "--window-size=1000,900", *options, address]
+    command = [str(PROGRAM), *quiet, "--window-size=1000,900", *options, address]
     done = subprocess.run(command, capture_output=True, text=True, timeout=90, check=True)
     assert "CONSOLE" not in done.stderr, done.stderr
     return done
 
 
-needs_browser = pytest.mark.skipif(shutil.which("chromium") is None, reason="needs the browser chromium")
+needs_browser = pytest.mark.skipif(PROGRAM is None, reason="needs the browser chromium or google-chrome")
 
 # A visitor: every control once, what the page says after it.
 VISIT = """

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import io
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 import matplotlib.image
 import numpy as np
 import pytest
-from browser import Page, chromium
+from browser import PROGRAM, Page, chromium
 
 from gaitflow.publishing.find import dataset_of_map, version_folder
 from gaitflow.report.published import write_map_report
@@ -18,7 +17,7 @@ from gaitflow.report.published import write_map_report
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.timeout(400),
-    pytest.mark.skipif(shutil.which("chromium") is None, reason="needs the browser chromium"),
+    pytest.mark.skipif(PROGRAM is None, reason="needs the browser chromium or google-chrome"),
 ]
 CHOSEN = "#map .task[aria-pressed=true]"
 OTHER = "#map .task[aria-label^='v = 0.375 m/s, T = 1 s, slope = 0°']"
