@@ -54,15 +54,14 @@ def seen(page: Page) -> np.ndarray:
     return matplotlib.image.imread(io.BytesIO(page.picture()))[..., :3]
 
 
-def test_a_page_that_complains_or_asks_would_be_noticed(browser: Page, tmp_path: Path) -> None:
+def test_a_page_that_complains_or_asks_would_be_noticed(tmp_path: Path) -> None:
     loud = tmp_path / "loud.html"
     loud.write_text("<script>console.warn('one'); fetch('data.json'); missing.field;</script>", encoding="utf-8")
-    browser.complaints.clear()
-    browser.requests.clear()
-    browser.open(loud.as_uri())
-    assert any("one" in text for text in browser.complaints)
-    assert any("ReferenceError" in text for text in browser.complaints)
-    assert (tmp_path / "data.json").as_uri() in browser.requests
+    with chromium(tmp_path / "browser") as page:
+        page.open(loud.as_uri())
+        assert any("one" in text for text in page.complaints)
+        assert any("ReferenceError" in text for text in page.complaints)
+        assert (tmp_path / "data.json").as_uri() in page.requests
 
 
 def test_it_is_small_enough_to_send(file: Path) -> None:
