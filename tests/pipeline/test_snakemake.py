@@ -73,6 +73,13 @@ def planned(workspace: Path, *arguments: str) -> list[str]:
     return [stage for stage in STAGES if stage in rules]
 
 
+def shell_commands(workspace: Path, *arguments: str) -> list[str]:
+    """The commands that a dry run would give."""
+    printed = snakemake(workspace, "--dry-run", "--printshellcmds", *arguments)
+    # rules without a command print "None"
+    return re.findall(r"^Shell command: (?!None$)(.*)$", printed.stdout + printed.stderr, flags=re.MULTILINE)
+
+
 def edit(file: Path, old: str, new: str) -> None:
     text = file.read_text(encoding="utf-8")
     assert text.count(old) == 1, f"{file.name} does not hold {old!r} once"
@@ -81,9 +88,14 @@ def edit(file: Path, old: str, new: str) -> None:
 
 
 def test_each_stage_is_one_gaitflow_command(workspace: Path) -> None:
-    printed = snakemake(workspace, "--dry-run", "--printshellcmds")  # rules without a command print "None"
-    commands = re.findall(r"^Shell command: (?!None$)(.*)$", printed.stdout + printed.stderr, flags=re.MULTILINE)
+    commands = [command.partition(" --workers ")[0] for command in shell_commands(workspace)]
     assert sorted(commands) == sorted(f"gaitflow {stage} quickstart" for stage in STAGES)
+
+
+@pytest.mark.parametrize("cores", ["1", "5"])
+def test_solve_has_as_many_workers_as_there_are_cores(workspace: Path, cores: str) -> None:
+    (solve,) = (one for one in shell_commands(workspace, "--cores", cores) if one.startswith("gaitflow solve"))
+    assert solve == f"gaitflow solve quickstart --workers {cores}"
 
 
 def test_targets_stop_at_their_stage(workspace: Path) -> None:

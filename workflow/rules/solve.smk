@@ -5,8 +5,8 @@ rule solve:
         part("problem"),
     output:
         "runs/{scenario}/solutions.parquet",
-    threads: 2
+    threads: workflow.cores or 2
     params:
         scenario=named,
     shell:
-        "gaitflow solve {params.scenario:q}"
+        "gaitflow solve {params.scenario:q} --workers {threads}"
