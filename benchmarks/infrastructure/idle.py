@@ -13,12 +13,16 @@ from gaitflow.search.solution import Solution
 HEAVY = ("torch", "sklearn", "skorch", "matplotlib", "onnxruntime", "pandas", "snakemake", "casadi", "pyarrow", "dask")
 
 
-def no_time(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+def no_time(
+    scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None, new_solver: object
+) -> list[Solution]:
     """Answer at once."""
     return idle_solutions(scenario, tasks)
 
 
-def one_second(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+def one_second(
+    scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None, new_solver: object
+) -> list[Solution]:
     """Answer after one second."""
     time.sleep(1.0)
     return idle_solutions(scenario, tasks)

@@ -13,12 +13,17 @@ Outcome = Literal["solved", "already", "failed", "raised", "refused"]
 
 @dataclass(frozen=True)
 class Receipt:
-    """What became of one unit: `error` says why when it was not solved, `attempts` lists those lost on the way."""
+    """What became of one unit: `error` says why when it was not solved, `attempts` lists those lost on the way.
+
+    `solves` is how many it took, 0 for one that was not solved now; as many as `known` were done by earlier processes.
+    """
 
     unit: str
     outcome: Outcome
     error: str = ""
     attempts: tuple[str, ...] = ()
+    solves: int = 0
+    known: int = 0
 
     def to_line(self) -> str:
         """One line of JSON."""

@@ -13,9 +13,9 @@ import os
 import signal
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.task import Task
@@ -26,11 +26,18 @@ from gaitflow.search.solution import Solution
 from gaitflow.solvers.options import IPOPT, IPOPT_WARM
 from gaitflow.store.journal import Journal
 from gaitflow.store.parts import UnitStore
+from gaitflow.store.solve_record import SolveRecord
 from gaitflow.store.units import Unit
 from gaitflow.tables.solver_code import solver_version
 
-SolveTasks = Callable[[Scenario, Sequence[Task], "tuple[int, ...] | None"], list[Solution]]
+SolveTasks = Callable[[Scenario, Sequence[Task], "tuple[int, ...] | None", "NewSolver"], list[Solution]]
+PROGRESS_EVERY_S = 2.0
 SOLVE = "gaitflow.search:solve_tasks"
+
+
+if TYPE_CHECKING:
+    from gaitflow.problem import GaitProblem
+    from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, NewSolver
 
 
 class Refused(Exception):
@@ -60,21 +67,59 @@ def solve_unit(unit: Unit, store: UnitStore, journal: Journal, solve: str) -> Re
     try:
         function, solver_options = _load(unit, solve)
         journal.started(unit.digest)
-        wall, cpu = time.perf_counter(), time.process_time()
+        effort = _Effort(unit.digest, journal)
+        record = SolveRecord(store.unfinished(unit.digest), journal.solver)
+
+        def new_solver(problem: GaitProblem, time_limit: float) -> FixedGaitSolver:
+            from gaitflow.store.recorded_solver import RecordedSolver  # with CasADi
+
+            return RecordedSolver(problem, time_limit, record, effort.add)
+
         try:
-            solutions = function(unit.scenario, unit.tasks, unit.seeds)
+            solutions = function(unit.scenario, unit.tasks, unit.seeds, new_solver)
         except Exception as error:
             return Receipt(unit.digest, "raised", f"{type(error).__name__}: {error}")
         with _storing():
             kept = store.write(unit, solutions, solver_options)
-            journal.stored(unit.digest, time.process_time() - cpu, time.perf_counter() - wall, kept)
+            journal.stored(unit.digest, effort.cpu_s, effort.wall_s, kept, effort.solves, effort.known)
     except ValueError as error:  # the solver's answer does not fit the scenario
         return Receipt(unit.digest, "raised", f"{type(error).__name__}: {error}")
     except WriteError as error:
         return Receipt(unit.digest, "refused", error.args[-1])
     except (Refused, OSError) as error:
         return Receipt(unit.digest, "refused", str(error))
-    return Receipt(unit.digest, "solved" if kept else "already")
+    return Receipt(unit.digest, "solved" if kept else "already", solves=effort.solves, known=effort.known)
+
+
+class _Effort:
+    """What a unit has taken so far, which the journal is told every few seconds."""
+
+    def __init__(self, unit: str, journal: Journal) -> None:
+        self._unit, self._journal = unit, journal
+        self._wall, self._cpu = time.perf_counter(), time.process_time()
+        self._told = -PROGRESS_EVERY_S  # on the clock of `wall_s`
+        self._known_cpu_s = 0.0
+        self.solves, self.known = 0, 0
+
+    @property
+    def cpu_s(self) -> float:
+        """With that of solves which were known."""
+        return time.process_time() - self._cpu + self._known_cpu_s
+
+    @property
+    def wall_s(self) -> float:
+        return time.perf_counter() - self._wall
+
+    def add(self, attempt: Attempt, known: bool) -> None:
+        """One solve more."""
+        self.solves += 1
+        if known:
+            self.known += 1
+            self._known_cpu_s += attempt.cpu_s
+        if self.wall_s - self._told >= PROGRESS_EVERY_S:
+            self._told = self.wall_s
+            with suppress(OSError):  # a full disk is told about when the part is stored
+                self._journal.progress(self._unit, self.cpu_s, self.wall_s, self.solves, self.known)
 
 
 @contextmanager

@@ -23,7 +23,7 @@ from gaitflow.problem import GaitProblem, transcribe
 from gaitflow.search import starts
 from gaitflow.search.rows import solution
 from gaitflow.search.solution import Solution
-from gaitflow.solvers.fixed_gait import FixedGaitSolver, Start
+from gaitflow.solvers.fixed_gait import FixedGaitSolver, NewSolver, Start
 from gaitflow.solvers.ipopt import call_solver, symbolic
 
 NO_PATTERN = "none"
@@ -31,11 +31,13 @@ INTEGRAL = 1e-3  # largest distance of a contact that counts as decided from 0 o
 NODE_ITERATIONS = 150  # of IPOPT in one node; a node that needs more is as good as infeasible
 
 
-def solve_restarts(scenario: Scenario, tasks: Sequence[Task], seeds: Sequence[int]) -> list[Solution]:
+def solve_restarts(
+    scenario: Scenario, tasks: Sequence[Task], seeds: Sequence[int], new_solver: NewSolver = FixedGaitSolver
+) -> list[Solution]:
     """One row per task and seed: the pattern that Bonmin ends with, or a row without one and why."""
     problem = transcribe(scenario)
     bonmin = make_bonmin(problem, scenario.strategy.solve_time_limit)
-    fixed = FixedGaitSolver(problem, scenario.strategy.solve_time_limit)
+    fixed = new_solver(problem, scenario.strategy.solve_time_limit)
     return [_restart(problem, bonmin, fixed, task, seed) for task in tasks for seed in seeds]
 
 

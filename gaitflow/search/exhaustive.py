@@ -24,7 +24,7 @@ from gaitflow.search.bound import ruled_out
 from gaitflow.search.resolve import FinerMeshes
 from gaitflow.search.rows import solution, unsolved
 from gaitflow.search.solution import Solution
-from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver
+from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, NewSolver
 
 RECHECKED_GAITS = 3
 
@@ -44,19 +44,19 @@ def candidate_patterns(scenario: Scenario, task: Task) -> tuple[Pattern, ...]:
 _representatives = lru_cache(maxsize=8)(all_patterns)
 
 
-def solve_chain(scenario: Scenario, tasks: Sequence[Task]) -> list[Solution]:
+def solve_chain(scenario: Scenario, tasks: Sequence[Task], new_solver: NewSolver = FixedGaitSolver) -> list[Solution]:
     """Solve a chain of neighbouring tasks; a row per task and pattern, in that order, screened ones included."""
-    search = _Chain(scenario)
+    search = _Chain(scenario, new_solver)
     return [row for task in tasks for row in search.solve(task)]
 
 
 class _Chain:
     """The solver of a scenario and what the last task of the chain came to."""
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, new_solver: NewSolver) -> None:
         self._scenario = scenario
-        self._solver = FixedGaitSolver(transcribe(scenario), scenario.strategy.solve_time_limit)
-        self._finer = None if scenario.strategy.part else FinerMeshes(scenario)
+        self._solver = new_solver(transcribe(scenario), scenario.strategy.solve_time_limit)
+        self._finer = None if scenario.strategy.part else FinerMeshes(scenario, new_solver)
         self._solved: dict[Pattern, Attempt] = {}
         self._failed: set[Pattern] = set()
 

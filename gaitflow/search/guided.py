@@ -22,27 +22,27 @@ from gaitflow.search.probes import Explored, Prober, representatives
 from gaitflow.search.resolve import FinerMeshes, on_other_mesh
 from gaitflow.search.rows import solution, unsolved
 from gaitflow.search.solution import Solution
-from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver
+from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, NewSolver
 
 
-def solve_guided(scenario: Scenario, tasks: Sequence[Task]) -> list[Solution]:
+def solve_guided(scenario: Scenario, tasks: Sequence[Task], new_solver: NewSolver = FixedGaitSolver) -> list[Solution]:
     """Search a chain of neighbouring tasks; a row per task and pattern met, by task, then by pattern.
 
     Status `screened`: ruled out, the reason beside it; `probed`: solved on the coarse mesh only; others were solved on
     the scenario's.
     """
-    search = _Search(scenario)
+    search = _Search(scenario, new_solver)
     return [row for task in tasks for row in search.solve(task)]
 
 
 class _Search:
     """The solvers of a scenario and what the last task of the chain came to."""
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, new_solver: NewSolver) -> None:
         self._scenario = scenario
-        self._solver = FixedGaitSolver(transcribe(scenario), scenario.strategy.solve_time_limit)
-        self._prober = Prober(scenario)
-        self._finer = FinerMeshes(scenario)
+        self._solver = new_solver(transcribe(scenario), scenario.strategy.solve_time_limit)
+        self._prober = Prober(scenario, new_solver)
+        self._finer = FinerMeshes(scenario, new_solver)
         self._solved: dict[Pattern, Attempt] = {}
 
     def solve(self, task: Task) -> list[Solution]:

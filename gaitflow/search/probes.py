@@ -18,7 +18,7 @@ from gaitflow.problem import transcribe
 from gaitflow.search.attempts import neighbouring, until_feasible
 from gaitflow.search.bound import ruled_out
 from gaitflow.search.moves import doubled, library, neighbours, repeated, standing
-from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver
+from gaitflow.solvers.fixed_gait import Attempt, FixedGaitSolver, NewSolver
 
 COARSENESS = 0.4  # share of the knots in a phase that a probe has, if that is at least LEAST_KNOTS
 LEAST_KNOTS = 3
@@ -83,13 +83,13 @@ def _transcribed(scenario: Scenario, **changes: float) -> Scenario:
 class Prober:
     """The coarse solver of a scenario, and the probes of the last task, from which those of the next one start."""
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, new_solver: NewSolver = FixedGaitSolver) -> None:
         settings = scenario.transcription
         self.scenario = scenario
-        self.solver = FixedGaitSolver(transcribe(coarse(scenario)), scenario.strategy.solve_time_limit)
+        self.solver = new_solver(transcribe(coarse(scenario)), scenario.strategy.solve_time_limit)
         self._half = None
         if settings.phases > FEW_PHASES and settings.phases % 2 == 0:
-            self._half = Prober(halved(scenario))
+            self._half = Prober(halved(scenario), new_solver)
         self._reach = PROMISING_BY_EULER if settings.integrator == "euler" else PROMISING
         self._before = Explored(self._reach)
 

@@ -23,7 +23,7 @@ from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array, Trajectory
 from gaitflow.problem import GaitProblem, transcribe
 from gaitflow.search.solution import Solution
-from gaitflow.solvers.fixed_gait import FixedGaitSolver, Multipliers, Start
+from gaitflow.solvers.fixed_gait import FixedGaitSolver, Multipliers, NewSolver, Start
 
 MOST_KNOTS = 50  # a phase, on the finest mesh
 TIE = 1e-3  # relative cost within which gaits tie, as learning.tie_tolerance is unless a scenario says otherwise
@@ -32,8 +32,9 @@ TIE = 1e-3  # relative cost within which gaits tie, as learning.tie_tolerance is
 class FinerMeshes:
     """The solvers of a scenario on its finer meshes, each built when it is first needed."""
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, new_solver: NewSolver = FixedGaitSolver) -> None:
         self._scenario = scenario
+        self._new_solver = new_solver
         self._layout = Layout.of(scenario.as_data())
         self._knots = scenario.transcription.knots_per_phase
         self._solvers: dict[int, FixedGaitSolver] = {}
@@ -95,7 +96,7 @@ class FinerMeshes:
         if knots not in self._solvers:
             settings = self._scenario.transcription.model_copy(update={"knots_per_phase": knots})
             finer = self._scenario.model_copy(update={"transcription": settings})
-            self._solvers[knots] = FixedGaitSolver(transcribe(finer), self._scenario.strategy.solve_time_limit)
+            self._solvers[knots] = self._new_solver(transcribe(finer), self._scenario.strategy.solve_time_limit)
         return self._solvers[knots]
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import time
 from collections import OrderedDict
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal
@@ -28,7 +29,7 @@ from gaitflow.solvers.options import CONVERGED, IPOPT
 from gaitflow.solvers.point import GaitSpace, Multipliers, Point
 from gaitflow.solvers.program import Program
 
-__all__ = ["Attempt", "FixedGaitSolver", "Method", "Multipliers", "Start"]
+__all__ = ["Attempt", "FixedGaitSolver", "Method", "Multipliers", "NewSolver", "Start"]
 
 Method = Literal["interior_point", "ipopt"]
 
@@ -66,6 +67,9 @@ class Attempt:
     trajectory: Trajectory
     multipliers: Multipliers
     method: Method
+
+
+NewSolver = Callable[[GaitProblem, float], "FixedGaitSolver"]  # as FixedGaitSolver's own constructor has it
 
 
 @dataclass(frozen=True)

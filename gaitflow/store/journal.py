@@ -1,4 +1,5 @@
-"""A run's journal: one line when a solve of a unit starts and one when its part is stored, or it ended without.
+"""A run's journal: one line when a solve of a unit starts, one that says how far it is, which is written over, and one
+when its part is stored, or it ended without.
 
 It tells how much time went where and which solves never came to an end; what is solved only the store knows. Every
 solver process has a file of its own, so that lines of many machines never mix; its worker adds the last line when the
@@ -15,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-Event = Literal["start", "stored", "ended"]
+Event = Literal["start", "progress", "stored", "ended"]
 TAIL_BYTES = 4096  # more than two lines
 
 
@@ -23,7 +24,8 @@ TAIL_BYTES = 4096  # more than two lines
 class Entry:
     """One line. `time` in seconds since 1970; `solver`: the process, its id and a random word; `kept`: came first.
 
-    `cpu_s` and `wall_s` are those of the whole unit that was stored, else 0.
+    Of a unit that was stored, and of one in progress: `cpu_s` with that of solves which earlier processes had done and
+    which were not done again, `wall_s` since the start, the number of `solves`, and how many of them were `known` so.
     """
 
     event: Event
@@ -33,31 +35,46 @@ class Entry:
     cpu_s: float = 0.0
     wall_s: float = 0.0
     kept: bool = False
+    solves: int = 0
+    known: int = 0
 
 
 class Journal:
     """Appends entries to the file of one solver process below `folder` (`<store>/journal`)."""
 
     def __init__(self, folder: Path, solver: str) -> None:
-        self._solver = solver
+        self.solver = solver
         self._path = folder / f"{solver}.jsonl"
+        self._place: int | None = None  # where the last line begins, if it may be written over
 
     def started(self, unit: str) -> None:
         """A solve of this unit begins."""
-        self._append(Entry("start", unit, time.time(), self._solver))
+        self._append(Entry("start", unit, time.time(), self.solver))
 
-    def stored(self, unit: str, cpu_s: float, wall_s: float, kept: bool) -> None:
+    def progress(self, unit: str, cpu_s: float, wall_s: float, solves: int, known: int) -> None:
+        """The solve of this unit has come so far."""
+        entry = Entry("progress", unit, time.time(), self.solver, cpu_s, wall_s, False, solves, known)
+        self._place = self._append(entry)
+
+    def stored(self, unit: str, cpu_s: float, wall_s: float, kept: bool, solves: int = 0, known: int = 0) -> None:
         """The unit was solved and a part with its digest is in the store."""
-        self._append(Entry("stored", unit, time.time(), self._solver, cpu_s, wall_s, kept))
+        self._append(Entry("stored", unit, time.time(), self.solver, cpu_s, wall_s, kept, solves, known))
 
     def ended(self, unit: str) -> None:
-        """The solve of this unit is over, and nothing was stored."""
-        self._append(Entry("ended", unit, time.time(), self._solver))
+        """The solve of this unit is over, and nothing was stored; how far it was stays."""
+        self._place = None
+        self._append(Entry("ended", unit, time.time(), self.solver))
 
-    def _append(self, entry: Entry) -> None:
+    def _append(self, entry: Entry) -> int:
+        """Write a line, over one that says how far the unit was; where it begins."""
         self._path.parent.mkdir(parents=True, exist_ok=True)
-        with open(self._path, "a", encoding="utf-8") as file:
-            file.write(json.dumps(entry.__dict__) + "\n")
+        with open(self._path, "ab") as file:
+            if self._place is not None:
+                file.truncate(self._place)
+            place = file.seek(0, os.SEEK_END)
+            file.write(json.dumps(entry.__dict__).encode() + b"\n")
+        self._place = None
+        return place
 
 
 def read_journal(folder: Path) -> list[Entry]:
@@ -74,11 +91,15 @@ def unended(folder: Path) -> dict[str, list[str]]:
     A solver at work is one of them. Only the ends of the files are read, so that this can be asked at any time.
     """
     found: dict[str, list[str]] = {}
-    for file in folder.glob("*.jsonl"):
-        last = _entries(_tail(file))[-1:]
-        if last and last[0].event == "start":
-            found.setdefault(last[0].unit, []).append(last[0].solver)
+    for entry in latest(folder):
+        if entry.event in ("start", "progress"):
+            found.setdefault(entry.unit, []).append(entry.solver)
     return found
+
+
+def latest(folder: Path) -> list[Entry]:
+    """The last entry of every solver."""
+    return [entry for file in folder.glob("*.jsonl") for entry in _entries(_tail(file))[-1:]]
 
 
 def write_off(folder: Path, unit: str, solvers: Iterable[str]) -> None:

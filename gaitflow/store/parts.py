@@ -2,6 +2,7 @@
 
     <folder>/units/<first 2 digits>/<unit digest>.parquet   one complete, sealed part a unit
     <folder>/packs/<digest>.pack                            many parts in one file, see `pack`; made by `compact`
+    <folder>/unfinished/<unit digest>/                      solves of a unit in work, see `solve_record`
     <folder>/attempts/<unit digest>/<n>.json                attempts that killed the solver
     <folder>/quarantine/                                    parts that were damaged or foreign, each with its reason
     <folder>/checked.txt                                    parts that were found sound, see `known_parts`; only a cache
@@ -14,6 +15,7 @@ from __future__ import annotations
 import io
 import os
 import re
+import shutil
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -36,6 +38,7 @@ from gaitflow.tables.solutions import solutions_to_table
 
 MAX_PART_BYTES = 4 << 30  # of one file, and of its columns when unpacked
 LEFTOVER_AGE_S = 3600.0  # a temporary file this old belongs to a process that was killed
+UNFINISHED_AGE_S = 30 * 86400.0  # a unit that nobody went on with for so long is of a plan that was given up
 _PART = re.compile(r"[0-9a-f]{64}\.parquet")
 
 
@@ -55,6 +58,14 @@ class UnitStore:
     def path(self, digest: str) -> Path:
         """Where the part of a unit is, or will be."""
         return self.folder / "units" / digest[:2] / f"{digest}.parquet"
+
+    def unfinished(self, digest: str) -> Path:
+        """The folder of what was solved of a unit that is in work."""
+        return self.folder / "unfinished" / digest
+
+    def begun(self) -> frozenset[str]:
+        """Digests of units of which something was solved, and that nobody finished."""
+        return frozenset(entry.name for entry in _entries(self.folder / "unfinished"))
 
     def has(self, unit: Unit) -> bool:
         """Whether the unit is solved, or was given up."""
@@ -83,15 +94,9 @@ class UnitStore:
         if given != set(unit.tasks):
             odd = sorted(given ^ set(unit.tasks))
             raise ValueError(f"the solver's rows and the unit's tasks differ, for one in {odd[0]}")
-        if self.packs.find(unit.digest) is not None:
-            return False
-        table = solutions_to_table(solutions, unit.scenario.as_data())
-        try:
-            with new_file(self.path(unit.digest), replace=False) as file:
-                seal.write_sealed(file, table.schema, [table], unit_record(unit.digest, unit.as_data(), solver_options))
-        except FileExistsError:
-            return False
-        return True
+        kept = self.packs.find(unit.digest) is None and self._write(unit, solutions, solver_options)
+        shutil.rmtree(self.unfinished(unit.digest), ignore_errors=True)
+        return kept
 
     def read(self, unit: Unit, columns: Sequence[str] | None = None) -> pa.Table:
         """A unit's rows, checked whole: seal, schema, and that it is this unit's. Raises DamagedPart."""
@@ -166,7 +171,10 @@ class UnitStore:
         return list(damaged.values())
 
     def remove_leftovers(self) -> int:
-        """Delete temporary files of writers that were killed long ago; how many there were."""
+        """Delete temporary files of writers that were killed long ago, and solves of units that nobody finished.
+
+        Returns the number of the files.
+        """
         limit, removed = time.time() - LEFTOVER_AGE_S, 0
         for folder, _, names in os.walk(self.folder):
             for name in names:
@@ -175,7 +183,19 @@ class UnitStore:
                     if _modified(file) < limit:
                         file.unlink(missing_ok=True)
                         removed += 1
+        for path in (self.folder / "unfinished").glob("*"):
+            if _modified(path) < time.time() - UNFINISHED_AGE_S:
+                shutil.rmtree(path, ignore_errors=True)
         return removed
+
+    def _write(self, unit: Unit, solutions: Sequence[Solution], solver_options: Mapping[str, Any]) -> bool:
+        table = solutions_to_table(solutions, unit.scenario.as_data())
+        try:
+            with new_file(self.path(unit.digest), replace=False) as file:
+                seal.write_sealed(file, table.schema, [table], unit_record(unit.digest, unit.as_data(), solver_options))
+        except FileExistsError:
+            return False
+        return True
 
     def _check(self, unit: Unit, file: pq.ParquetFile, path: Path) -> dict[str, Any]:
         groups = (file.metadata.row_group(i).total_byte_size for i in range(file.metadata.num_row_groups))

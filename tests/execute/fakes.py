@@ -17,8 +17,10 @@ from gaitflow.config.scenario import Scenario
 from gaitflow.core.task import Task
 from gaitflow.search.solution import Solution
 
+Seeds = tuple[int, ...] | None
 
-def steady(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+
+def steady(scenario: Scenario, tasks: Sequence[Task], seeds: Seeds, new_solver: object) -> list[Solution]:
     """A row a task, after FAKE_SLEEP seconds; prints where a solver prints."""
     print("a solver's chatter from Python", flush=True)
     with suppress(OSError):  # which C does not hear of
@@ -45,29 +47,29 @@ def steady(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | N
     ]
 
 
-def paced(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+def paced(scenario: Scenario, tasks: Sequence[Task], seeds: Seeds, new_solver: object) -> list[Solution]:
     """`steady`, in the seconds that the file `pace` says; it may change during a solve."""
     pace, begin = Path(os.environ["FAKE_FOLDER"], "pace"), time.monotonic()
     while time.monotonic() - begin < float(pace.read_text()):
         time.sleep(0.05)
-    return steady(scenario, tasks, seeds)
+    return steady(scenario, tasks, seeds, new_solver)
 
 
-def hangs_first(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+def hangs_first(scenario: Scenario, tasks: Sequence[Task], seeds: Seeds, new_solver: object) -> list[Solution]:
     """Whoever is first does not come back; `paced` from then on."""
     try:
         Path(os.environ["FAKE_FOLDER"], "hangs").touch(exist_ok=False)
     except FileExistsError:
-        return paced(scenario, tasks, seeds)
-    return hangs(scenario, tasks, seeds)
+        return paced(scenario, tasks, seeds, new_solver)
+    return hangs(scenario, tasks, seeds, new_solver)
 
 
-def hoards_first(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+def hoards_first(scenario: Scenario, tasks: Sequence[Task], seeds: Seeds, new_solver: object) -> list[Solution]:
     """Whoever is first takes 1 GB of memory and keeps it; `paced` from then on."""
     try:
         Path(os.environ["FAKE_FOLDER"], "hoards").touch(exist_ok=False)
     except FileExistsError:
-        return paced(scenario, tasks, seeds)
+        return paced(scenario, tasks, seeds, new_solver)
     Path(os.environ["FAKE_FOLDER"], f"hoards-{os.getpid()}").touch()
     hoard = b"x" * 10**9
     time.sleep(600)
@@ -75,49 +77,49 @@ def hoards_first(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ..
     return []
 
 
-def throws(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+def throws(scenario: Scenario, tasks: Sequence[Task], seeds: Seeds, new_solver: object) -> list[Solution]:
     raise RuntimeError("Uncaught error in Bonmin")
 
 
-def dies(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+def dies(scenario: Scenario, tasks: Sequence[Task], seeds: Seeds, new_solver: object) -> list[Solution]:
     print("last words", file=sys.stderr, flush=True)
     os.kill(os.getpid(), signal.SIGSEGV)
     raise AssertionError("unreachable")
 
 
-def hangs(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+def hangs(scenario: Scenario, tasks: Sequence[Task], seeds: Seeds, new_solver: object) -> list[Solution]:
     Path(os.environ["FAKE_FOLDER"], f"hangs-{os.getpid()}").touch()
     time.sleep(600)
     return []
 
 
-def dies_once(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+def dies_once(scenario: Scenario, tasks: Sequence[Task], seeds: Seeds, new_solver: object) -> list[Solution]:
     mark = Path(os.environ["FAKE_FOLDER"], scenario.name)
     if not mark.exists():
         mark.touch()
-        dies(scenario, tasks, seeds)
-    return steady(scenario, tasks, seeds)
+        dies(scenario, tasks, seeds, new_solver)
+    return steady(scenario, tasks, seeds, new_solver)
 
 
-def leaves_tasks_out(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
-    return steady(scenario, tasks, seeds)[1:]
+def leaves_tasks_out(scenario: Scenario, tasks: Sequence[Task], seeds: Seeds, new_solver: object) -> list[Solution]:
+    return steady(scenario, tasks, seeds, new_solver)[1:]
 
 
-def dies_at_slowest(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+def dies_at_slowest(scenario: Scenario, tasks: Sequence[Task], seeds: Seeds, new_solver: object) -> list[Solution]:
     if any(task.speed < 0.2 and task.split == "grid" for task in tasks):
-        dies(scenario, tasks, seeds)
-    return steady(scenario, tasks, seeds)
+        dies(scenario, tasks, seeds, new_solver)
+    return steady(scenario, tasks, seeds, new_solver)
 
 
-def dies_at_first(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+def dies_at_first(scenario: Scenario, tasks: Sequence[Task], seeds: Seeds, new_solver: object) -> list[Solution]:
     if tasks[0].speed == 0.1:
-        dies(scenario, tasks, seeds)
-    return paced(scenario, tasks, seeds)
+        dies(scenario, tasks, seeds, new_solver)
+    return paced(scenario, tasks, seeds, new_solver)
 
 
-def kills_its_worker(scenario: Scenario, tasks: Sequence[Task], seeds: tuple[int, ...] | None) -> list[Solution]:
+def kills_its_worker(scenario: Scenario, tasks: Sequence[Task], seeds: Seeds, new_solver: object) -> list[Solution]:
     """At the first task, as when all processes of a job are killed for its memory: nobody is left to record it."""
     if tasks[0].speed == 0.1 and tasks[0].cycle_duration < 0.6:
         os.kill(os.getppid(), signal.SIGKILL)
         time.sleep(600)
-    return steady(scenario, tasks, seeds)
+    return steady(scenario, tasks, seeds, new_solver)
