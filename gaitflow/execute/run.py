@@ -8,19 +8,18 @@ from __future__ import annotations
 
 import json
 import random
-import signal
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass
-from types import FrameType
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 
 from distributed import Client, Future, KilledWorker, wait
 
+from gaitflow.execute.count import Count, OnEvent, RunState
 from gaitflow.execute.receipt import Receipt
 from gaitflow.execute.solver import SolverClosed
 from gaitflow.execute.solver_process import SOLVE
+from gaitflow.execute.stop_request import stop_request
 from gaitflow.execute.worker import SolverPlugin, solve_unit
 from gaitflow.store.known_parts import validate_changed
 from gaitflow.store.lost_workers import give_up_after_lost_workers
@@ -33,32 +32,15 @@ REGISTRATIONS = 20  # tries to set up the workers while some of them die
 MAX_ROUNDS = 4  # of solving parts again that turned out damaged
 
 
-class RunStopped(Exception):
-    """The user stopped the run; the message says what is done and how to go on."""
+class RunStopped(KeyboardInterrupt):
+    """The user stopped the run, by Ctrl-C or SIGTERM; the message says what is done and how to go on."""
 
 
 class RunFailed(Exception):
     """The run cannot go on; the message says why and what to do. Finished units are kept."""
 
 
-@dataclass(frozen=True)
-class RunState:
-    """Counts of units: `total` = `solved` + `failed` + `left`; `found` were stored before. `notes` are news."""
-
-    total: int
-    found: int
-    solved: int
-    failed: int
-    notes: tuple[str, ...] = ()
-
-    @property
-    def left(self) -> int:
-        """Units that are neither solved nor given up."""
-        return self.total - self.solved - self.failed
-
-
 OpenClient = Callable[[], AbstractContextManager[Client]]
-OnEvent = Callable[[RunState], None]
 
 
 def run_units(
@@ -74,7 +56,7 @@ def run_units(
     Parts that an earlier run found sound, in files that did not change since, are not read again; `collect` reads all.
     `open_client` makes a cluster and a client for the length of a block, such as `local_client`; it is not called
     when nothing is missing. `window` bounds the units submitted at a time (default: 3 a worker). `on_event` hears of
-    every change. Ctrl-C and SIGTERM end the run cleanly with RunStopped. Raises RunFailed when no unit can be stored,
+    every change. A `stop_request` ends the run cleanly with RunStopped. Raises RunFailed when no unit can be stored,
     or when no worker will come any more.
     """
     store.remove_leftovers()
@@ -83,14 +65,16 @@ def run_units(
         stored = store.solved()
         failed = store.attempts.given_up() & stored
         missing = [unit for unit in units if unit.digest not in stored]
-        count = _Count(units, stored, failed, on_event)
+        count = Count(units, stored, failed, store.folder / "journal", on_event)
         if notes:
             count.tell(*notes)
         if missing:
             # In random order the time left is estimated from a fair sample, and two runs on one store seldom meet.
             random.shuffle(missing)
+            begun = store.begun()
+            missing.sort(key=lambda unit: unit.digest not in begun)
             give_up_after_lost_workers(store, missing)
-            with _stop_request() as stop, open_client() as client:
+            with stop_request() as stop, open_client() as client:
                 _drain(missing, store, client, count, stop, window, solve)
             if stop.is_set() and count.state.left:
                 raise RunStopped(f"stopped: {_how_far(count.state, store)}")
@@ -106,34 +90,11 @@ def _how_far(state: RunState, store: UnitStore) -> str:
     return f"{stored}; run the same command again to go on"
 
 
-class _Count:
-    def __init__(self, units: Sequence[Unit], stored: frozenset[str], failed: set[str], on_event: OnEvent) -> None:
-        digests = {unit.digest for unit in units}
-        found = len(digests & stored)
-        gone = len(digests & failed)
-        self._on_event = on_event
-        self.state = RunState(len(digests), found, found - gone, gone)
-        self.tell()
-
-    def tell(self, *notes: str, solved: int = 0, failed: int = 0) -> None:
-        state = self.state
-        self.state = RunState(state.total, state.found, state.solved + solved, state.failed + failed, notes)
-        self._on_event(self.state)
-
-    def add(self, receipt: Receipt) -> None:
-        name = receipt.unit[:12]
-        notes = [f"unit {name}: {reason}" for reason in receipt.attempts]
-        if receipt.outcome == "failed":
-            notes.append(f"unit {name}: given up: {receipt.error}")
-        failed = int(receipt.outcome == "failed")
-        self.tell(*notes, solved=1 - failed, failed=failed)
-
-
 def _drain(
     missing: list[Unit],
     store: UnitStore,
     client: Client,
-    count: _Count,
+    count: Count,
     stop: threading.Event,
     window: int | None,
     solve: str,
@@ -162,6 +123,7 @@ def _drain(
                 raise RunFailed(receipt.error)
             else:
                 count.add(receipt)
+        count.look()
         if killed:
             give_up_after_lost_workers(store, killed)
 
@@ -198,22 +160,3 @@ def _receipt(future: Future[Receipt]) -> Receipt | None:
     if error is None or isinstance(error, SolverClosed | KilledWorker):
         return None
     raise RunFailed(f"a worker cannot run units ({type(error).__name__}: {error})") from error
-
-
-@contextmanager
-def _stop_request() -> Iterator[threading.Event]:
-    """An event set by Ctrl-C or SIGTERM instead of an exception in the middle of whatever is going on."""
-    stop = threading.Event()
-    if threading.current_thread() is not threading.main_thread():
-        yield stop
-        return
-
-    def ask(number: int, frame: FrameType | None) -> None:
-        stop.set()
-
-    before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield stop
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

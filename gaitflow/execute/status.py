@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from gaitflow.config.scenario import Scenario
+from gaitflow.execute.drivers import driver_process
 from gaitflow.execute.schedulers.jobs import DRIVER, SlurmError, jobs_of
 from gaitflow.store.attempts import LostAttempt
 from gaitflow.store.journal import read_journal
@@ -36,7 +37,9 @@ class JobCounts:
 class RunStatus:
     """Counts of units (`units` = `solved` + `failed` + `left`), CPU hours spent and, from them, still to spend.
 
-    `cpu_hours_left` is None while nothing is solved. `quarantined` parts and packs were damaged. `errors` are the
+    `solves` are all that were done, also those of units that are `begun` and not finished; an interruption keeps them.
+    `driver` is the process or the job that drives the run, None when nobody does. `cpu_hours_left` is None while no
+    unit is solved. `quarantined` parts and packs were damaged. `errors` are the
     latest attempts that the solver did not survive, newest first. `jobs` is None for a run that never was on a cluster,
     and where Slurm cannot be asked. `logs` is the folder of the jobs' output, None without one.
     """
@@ -46,6 +49,9 @@ class RunStatus:
     solved: int
     failed: int
     left: int
+    begun: int
+    solves: int
+    driver: str | None
     quarantined: int
     cpu_hours_spent: float
     cpu_hours_left: float | None
@@ -64,22 +70,35 @@ def run_status(scenario: Scenario, store: UnitStore) -> RunStatus:
     stored = store.solved() & planned
     failed = store.attempts.given_up() & stored
     left = len(planned) - len(stored)
-    spent = {e.unit: e.cpu_s for e in read_journal(store.folder / "journal") if e.event == "stored" and e.kept}
-    hours = sum(cpu for unit, cpu in spent.items() if unit in planned) / 3600
-    known = len(spent.keys() & planned)
+    entries = [entry for entry in read_journal(store.folder / "journal") if entry.unit in planned]
+    spent = {entry.unit: entry for entry in entries if entry.event == "stored" and entry.kept}
+    begun = {entry.unit: entry for entry in entries if entry.event == "progress" and entry.unit not in stored}
+    hours = sum(entry.cpu_s for entry in spent.values()) / 3600
+    hours_begun = sum(entry.cpu_s for entry in begun.values()) / 3600
+    hours_left = hours / len(spent) * left - hours_begun if spent else (0.0 if not left else None)
+    jobs = _jobs(store.folder)
     return RunStatus(
         scenario=scenario.name,
         units=len(planned),
         solved=len(stored) - len(failed),
         failed=len(failed),
         left=left,
+        begun=len(begun),
+        solves=sum(entry.solves for entry in (*spent.values(), *begun.values())),
+        driver=_driver(store.folder, jobs),
         quarantined=sum(file.suffix in (".parquet", ".pack") for file in (store.folder / "quarantine").glob("*")),
-        cpu_hours_spent=hours,
-        cpu_hours_left=hours / known * left if known else (0.0 if not left else None),
+        cpu_hours_spent=hours + hours_begun,
+        cpu_hours_left=None if hours_left is None else max(hours_left, 0.0),
         errors=tuple(store.attempts.latest(LATEST_ERRORS)),
-        jobs=_jobs(store.folder),
+        jobs=jobs,
         logs=str(logs) if (logs := store.folder / "logs").is_dir() else None,
     )
+
+
+def _driver(run_folder: Path, jobs: JobCounts | None) -> str | None:
+    if jobs is not None and jobs.driver:
+        return f"a job, {_counts(jobs.driver)}"
+    return driver_process(run_folder)
 
 
 def _counts(states: dict[str, int]) -> str:

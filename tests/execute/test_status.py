@@ -8,6 +8,7 @@ import time
 import pytest
 
 from gaitflow.config.scenario import Scenario
+from gaitflow.execute.drivers import the_local_driver
 from gaitflow.execute.status import JobCounts, run_status
 from gaitflow.store.journal import Journal, read_journal
 from gaitflow.store.parts import UnitStore
@@ -42,6 +43,28 @@ def test_before_during_and_after_a_run(store: UnitStore, scenario: Scenario, uni
     after = run_status(scenario, store)
     assert (after.left, after.cpu_hours_left) == (0, 0.0)
     assert json.loads(json.dumps(after.as_data()))["errors"][0]["reason"] == "crashed: SIGSEGV"
+
+
+def test_after_an_interruption_it_says_what_is_kept_and_that_nobody_goes_on(
+    store: UnitStore, scenario: Scenario, units: tuple[Unit, ...]
+) -> None:
+    first, second = Journal(store.folder / "journal", "7-a"), Journal(store.folder / "journal", "8-b")
+    first.started(units[0].digest)
+    first.stored(units[0].digest, cpu_s=3600.0, wall_s=1.0, kept=True, solves=30)
+    pretend_solved(store, units[0])
+    first.started(units[1].digest)
+    first.progress(units[1].digest, cpu_s=600.0, wall_s=1.0, solves=5, known=0)
+    first.progress(units[1].digest, cpu_s=900.0, wall_s=1.0, solves=7, known=0)
+    first.ended(units[1].digest)
+    with the_local_driver(store.folder):
+        assert run_status(scenario, store).driver is None, "who asks is not who drives"
+    status = run_status(scenario, store)
+    assert (status.solved, status.left, status.begun, status.solves, status.driver) == (1, 5, 1, 37, None)
+    assert status.cpu_hours_spent == pytest.approx(1.25) and status.cpu_hours_left == pytest.approx(4.75)
+    second.started(units[1].digest)
+    second.progress(units[1].digest, cpu_s=1000.0, wall_s=1.0, solves=9, known=6)
+    assert run_status(scenario, store).solves == 39
+    assert [entry.event for entry in read_journal(store.folder / "journal")].count("progress") == 2
 
 
 def test_parts_of_other_plans_do_not_count(store: UnitStore, scenario: Scenario, units: tuple[Unit, ...]) -> None:
