@@ -48,21 +48,43 @@ class Cell:
         ]
 
 
-def fill(growth: Growth, compiled: Callable[[], Atlas], tie_tolerance: float, rounds: int = ROUNDS) -> None:
-    """Add nodes where tests fail; `compiled` makes the atlas of the nodes that there are, its sheets in their order."""
+def fill(
+    growth: Growth,
+    compiled: Callable[[], Atlas],
+    tie_tolerance: float,
+    rounds: int = ROUNDS,
+    on_test: Callable[[int, int], None] = lambda done, most: None,
+) -> None:
+    """Add nodes where tests fail; `compiled` makes the atlas of the nodes that there are, its sheets in their order.
+
+    `on_test` hears how many tests are done, and how many there will be if as many fail as did so far.
+    """
     cells, left = _cells(growth), MOST_TESTS * FURTHER_AXIS ** max(len(growth.grid) - 2, 0)
     if growth.problem.scenario.objective.energy:
         left //= FEWER_OF_ENERGY
-    for _ in range(rounds):
+    done = 0
+    for number in range(rounds):
         atlas = compiled()
-        sheets = [number for number, nodes in enumerate(growth.nodes) if nodes]
-        wrong = [(cell, _error(growth, atlas, sheets, cell.centre, tie_tolerance)) for cell in cells]
+        sheets = [sheet for sheet, nodes in enumerate(growth.nodes) if nodes]
+        wrong = list[tuple[Cell, float]]()
         left -= len(cells)
+        for tested, cell in enumerate(cells, 1):
+            error = _error(growth, atlas, sheets, cell.centre, tie_tolerance)
+            if error:
+                wrong.append((cell, error))
+            further = _foretold(len(cells), len(wrong) / tested * len(cell.parts()), rounds - number - 1, left)
+            on_test(done + tested, done + len(cells) + further)
+        done += len(cells)
         growth.spread()
-        worst = sorted((each for each in wrong if each[1] > 0), key=lambda each: -each[1])
+        worst = sorted(wrong, key=lambda each: -each[1])
         cells = [part for cell, _ in worst for part in cell.parts()][:left]
         if not cells:
             return
+
+
+def _foretold(cells: int, growth: float, rounds: int, most: int) -> int:
+    """Tests in some more rounds of which each has `growth` times as many as the one before."""
+    return min(most, round(sum(cells * growth**number for number in range(1, rounds + 1))))
 
 
 def _cells(growth: Growth) -> list[Cell]:

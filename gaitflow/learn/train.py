@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -99,13 +99,14 @@ def train(
     learning: Learning,
     constant: bool = False,
     known: KnownCosts | None = None,
+    tell: Callable[[str], None] = lambda text: None,
 ) -> Training:
     """Train all methods on the grid tasks that have a label and choose one by RULE; held-out tasks only report.
 
     `labels` and `costs` are the frames of `gaitflow.dataset.labels`; the classifiers' inputs are the values on `axes`.
-    The winner is then fitted once more, to tasks that an atlas labels as well: they take no part in choosing. Equal
-    arguments give equal bytes. Raises CannotTrain when no grid task is feasible, when all have one gait (unless
-    `constant`: then the map is that gait), or when no gait has two tasks.
+    The winner is then fitted once more, to tasks that an atlas labels as well: they take no part in choosing. `tell`
+    hears what is being done. Equal arguments give equal bytes. Raises CannotTrain when no grid task is feasible, when
+    all have one gait (unless `constant`: then the map is that gait), or when no gait has two tasks.
     """
     solved = labels[labels["status"] == "solved"]
     grid, held_out = solved[solved["split"] == "grid"], solved[solved["split"] == "held_out"]
@@ -125,14 +126,16 @@ def train(
     tasks = _inputs(grid, axes)
     y = np.searchsorted(np.array(classes, dtype=object), grid["label"].to_numpy(dtype=object)).astype(np.int64)
     splits, remarks = stratified_splits(y, classes, learning.folds, learning.seed)
-    found = [
-        cross_validate(method, tasks, y, classes, splits)
-        for method in methods(learning, len(axes), len(classes), min(len(fit) for fit, _ in splits))
-    ]
+    competing = methods(learning, len(axes), len(classes), min(len(fit) for fit, _ in splits))
+    found = []
+    for number, method in enumerate(competing, 1):
+        tell(f"classifier {number} of {len(competing)}: {method.name}, {len(splits)} folds of {len(grid)} tasks")
+        found.append(cross_validate(method, tasks, y, classes, splits))
     competitors = tuple(_judged(one, axes, grid, held_out, costs) for one in found)
     chosen = choose({row.method: row.cross_validation for row in competitors}, learning.tie_tolerance)
     best = next(one for one in found if one.classifier.method == chosen)
     final, log_loss_final, used = best.classifier, best.log_loss, 0
+    tell(f"{chosen}, to be published: fitted to what the atlas labels, too")
     if known is not None:
         more, more_y, cells = _labelled_by(known, classes, learning.tie_tolerance)
         used = len(more)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from gaitflow.config.cluster import Profile
-    from gaitflow.execute.run import RunState
+    from gaitflow.execute.count import RunState
     from gaitflow.report.claims import Claim
     from gaitflow.runtime.atlas import Atlas
 
@@ -113,6 +113,8 @@ def atlas(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
     from gaitflow.atlas.patterns import full_patterns, map_symmetry
     from gaitflow.core.gaits import Pattern
     from gaitflow.dataset import load_solutions
+    from gaitflow.execute.display import display
+    from gaitflow.execute.progress import countdown
     from gaitflow.problem import transcribe
     from gaitflow.runtime.atlas_file import atlas_bytes
 
@@ -125,16 +127,21 @@ def atlas(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
     patterns = full_patterns(solutions.frame(), costs, gaits, tolerance, map_symmetry(scenario))
     numbers = [gaits.index(gait) for gait in patterns.values()]
     problem, domain = transcribe(scenario), _domain(scenario, labels)
-    growth = grow(problem, [Pattern.from_text(pattern) for pattern in patterns], solutions, domain)
-    fill(growth, lambda: build_atlas(growth, numbers), tolerance)
-    built = build_atlas(growth, numbers)
-    content = atlas_bytes(built)
+    with display(f"{scenario.name}: atlas") as tell:
+        tell("reading the solutions")
+        full = [Pattern.from_text(pattern) for pattern in patterns]
+        growth = grow(problem, full, solutions, domain, lambda nodes: tell(f"{nodes} nodes on the grid"))
+        fill(growth, lambda: build_atlas(growth, numbers), tolerance, on_test=countdown(tell, "tests"))
+        tell("put together")
+        built = build_atlas(growth, numbers)
+        content = atlas_bytes(built)
+        judged = judge_predictions(growth, built)
     data = {
         "gaits": gaits,
         "nodes": {f"{gaits[sheet.gait]} {sheet.pattern}": len(sheet.tasks) for sheet in built.sheets},
         "modes": max((len(sheet.modes) for sheet in built.sheets), default=0),
         "bytes": len(content),
-        "predictions": _without_nan(asdict(judge_predictions(growth, built))),
+        "predictions": _without_nan(asdict(judged)),
         "solves": growth.solver.solves,
     }
     atomic_write(run.atlas, content)
@@ -146,6 +153,7 @@ def train(workspace: Workspace, scenario: Scenario, constant: bool) -> dict[str,
     """Train and judge the classifiers; writes the winner and how all of them did."""
     import pandas as pd
 
+    from gaitflow.execute.display import display
     from gaitflow.learn.installed import check_installed
     from gaitflow.learn.train import KnownCosts
     from gaitflow.learn.train import train as train_all
@@ -157,7 +165,9 @@ def train(workspace: Workspace, scenario: Scenario, constant: bool) -> dict[str,
     labels, costs = pd.read_parquet(run.labels), pd.read_parquet(run.gait_costs)
     known, gaits = _atlas_of(run, scenario)
     costs_known = KnownCosts(known, tuple(gaits), _domain(scenario, labels))
-    training = train_all(labels, costs, scenario.tasks.space.ranged, scenario.learning, constant, costs_known)
+    axes = scenario.tasks.space.ranged
+    with display(f"{scenario.name}: train") as tell:
+        training = train_all(labels, costs, axes, scenario.learning, constant, costs_known, tell)
     data = training.as_data()
     if scenario.strategy.name == "guided":
         data["remarks"] = [*data["remarks"], GUIDED_REMARK]
