@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
 import click
@@ -35,6 +36,8 @@ def status(workspace: Workspace, scenario: str, as_json: bool) -> None:
     click.echo(
         f"{state.scenario}: {state.units} units: {state.solved} solved, {state.failed} failed, {state.left} left"
     )
+    click.echo(f"solves: {state.solves}, with those in {state.begun} units that are begun and not finished")
+    click.echo(f"driver: {state.driver or 'none; nothing is being solved'}")
     click.echo(f"CPU hours: {state.cpu_hours_spent:.3f} spent, {left} left; {state.quarantined} files in quarantine")
     if state.jobs is not None:
         click.echo(f"jobs: {state.jobs}")
@@ -49,18 +52,27 @@ def status(workspace: Workspace, scenario: str, as_json: bool) -> None:
 @json_option
 @click.pass_obj
 def validate(workspace: Workspace, scenario: str, as_json: bool) -> None:
-    """Check the file of SCENARIO and say what it asks for.
+    """Check the file of SCENARIO and say what it asks for, how many solves, and about how long they take.
 
     \b
     Example: gaitflow validate configs/scenarios/quickstart.yaml
     """
+    from gaitflow.pipeline.forecast import forecast
+
     with bad_input():
         resolved = workspace.scenario(scenario)
         data = stages.summary(resolved)
+        work = forecast(resolved)
     if as_json:
-        return print_json(data)
+        return print_json(data | asdict(work))
     for key, value in data.items():
         click.echo(f"{key.replace('_', ' '):16} {value}")
+    click.echo(f"{'solves':16} about {work.solves}")
+    if work.cpu_hours is not None:
+        hours = f"{work.cpu_hours:.2g}"
+        click.echo(
+            f"{'CPU hours':16} about {hours}, on cores like this one; `gaitflow estimate {scenario}` measures them"
+        )
 
 
 @click.command()

@@ -299,6 +299,14 @@ def test_a_robot_of_negative_mass_is_refused_by_name(tmp_path: Path) -> None:
     assert all(part in done.stderr for part in ("half_cheetah.yaml", "mass", "-14", "greater than 0"))
 
 
+def test_validate_foretells_solves_and_cpu_hours(tmp_path: Path) -> None:
+    root = make_root(tmp_path)
+    said, data = call(root, "validate", "small"), json.loads(call(root, "validate", "small", "--json").stdout)
+    assert f"about {data['solves']}" in said.stdout and "`gaitflow estimate small` measures them" in said.stdout
+    assert data["tasks"] <= data["solves"] <= 2 * data["tasks"] * data["patterns"]
+    assert 0 < data["cpu_hours"] < 1
+
+
 def test_an_unknown_scenario_lists_those_there_are(tmp_path: Path) -> None:
     done = call(make_root(tmp_path), "solve", "smal")
     assert done.exit_code == 2 and "'smal'" in done.stderr and "did you mean small?" in done.stderr
