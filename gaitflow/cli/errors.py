@@ -1,4 +1,7 @@
-"""How a command ends: exit codes 0 done, 1 failed, 2 bad input; one clear line on standard error, data on output."""
+"""How a command ends: exit codes 0 done, 1 failed, 2 bad input; one clear line on standard error, data on output.
+
+Ctrl-C is another end, see `interrupt`.
+"""
 
 from __future__ import annotations
 

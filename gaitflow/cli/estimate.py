@@ -23,14 +23,15 @@ def estimate(workspace: Workspace, scenario: str, units: int, workers: int, as_j
     \b
     Example: gaitflow estimate quickstart --units 4
     """
-    from gaitflow.execute.run import RunFailed, RunStopped
+    from gaitflow.execute.drivers import DriverAlive
+    from gaitflow.execute.run import RunFailed
     from gaitflow.pipeline.estimate import estimate as solve_some
 
     with bad_input():
         resolved = workspace.scenario(scenario)
         try:
             state = solve_some(workspace, resolved, units, workers)
-        except (RunFailed, RunStopped) as error:
+        except (RunFailed, DriverAlive) as error:
             fail(str(error))
     if as_json:
         return print_json(state.as_data())

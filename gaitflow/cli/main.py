@@ -1,9 +1,13 @@
-"""The command line. Every command is a few lines over the library; exit codes: 0 done, 1 failed, 2 bad input."""
+"""The command line. Every command is a few lines over the library.
+
+Exit codes: 0 done, 1 failed, 2 bad input, 130 stopped by Ctrl-C.
+"""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
+from typing import Any
 
 try:
     import click
@@ -17,6 +21,7 @@ try:
     from gaitflow.cli.estimate import estimate
     from gaitflow.cli.export import export
     from gaitflow.cli.init import init
+    from gaitflow.cli.interrupt import while_running
     from gaitflow.cli.labels import labels
     from gaitflow.cli.models import models
     from gaitflow.cli.paper import paper
@@ -40,7 +45,16 @@ COMMANDS = (
 )  # fmt: skip
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+class Interruptible(click.Group):
+    """A group whose commands may be stopped by Ctrl-C."""
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the command that was given; a KeyboardInterrupt may say what was stopped, as `RunStopped` does."""
+        with while_running():
+            return super().invoke(ctx)
+
+
+@click.group(cls=Interruptible, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
 @click.version_option(package_name="gaitflow")
 @click.option(
     "--root",

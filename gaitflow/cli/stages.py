@@ -75,7 +75,7 @@ def solve(workspace: Workspace, scenario: str, workers: int, profile_file: Path 
     from gaitflow.config.cluster import load_profile
     from gaitflow.dataset.collect import NotComplete
     from gaitflow.execute.drivers import DriverAlive
-    from gaitflow.execute.run import RunFailed, RunStopped
+    from gaitflow.execute.run import RunFailed
     from gaitflow.execute.schedulers.jobs import SlurmError
 
     with bad_input():
@@ -83,7 +83,7 @@ def solve(workspace: Workspace, scenario: str, workers: int, profile_file: Path 
         try:
             profile = None if profile_file is None else load_profile(profile_file)
             state, path = stages.solve(workspace, resolved, workers, profile)
-        except (RunFailed, RunStopped, NotComplete, DriverAlive, SlurmError) as error:
+        except (RunFailed, NotComplete, DriverAlive, SlurmError) as error:
             fail(str(error))
     click.echo(f"{state.solved} units solved, {state.failed} given up: {path}")
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
 import sys
 from pathlib import Path
 
 from gaitflow import shipped
 from gaitflow.config.scenario import Scenario
 from gaitflow.files import make_folder
+from gaitflow.pipeline.stoppable import run_stoppable
 from gaitflow.pipeline.workspace import Workspace, from_anywhere
 
 PROFILE = "GAITFLOW_PROFILE"  # tells `gaitflow solve`: as an argument of its rule it would make a finished solve rerun
@@ -42,4 +42,4 @@ def run_workflow(
     environment = os.environ | {"OMP_NUM_THREADS": "1"}
     if profile_file is not None:
         environment[PROFILE] = str(profile_file.resolve())
-    return subprocess.run(command, cwd=workspace.root, env=environment).returncode == 0
+    return run_stoppable(command, workspace.root, environment) == 0

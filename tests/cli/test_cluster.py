@@ -165,6 +165,7 @@ def test_cancel_ends_the_run_s_jobs_and_only_them(project: Path) -> None:
 
 def test_cancel_tells_of_a_process_that_would_submit_again(project: Path) -> None:
     run = queue_of(project)
+    run.mkdir(parents=True, exist_ok=True)
     (run / "driver.json").write_text(json.dumps({"host": "login1", "pid": 7, "user": "anna", "started": 1}))
     assert "the process 7 of anna on login1 still drives this run" in gaitflow("cancel", "quickstart").output
 

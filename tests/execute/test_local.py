@@ -51,12 +51,13 @@ def test_workers_have_one_thread_and_never_see_ctrl_c_even_when_replaced(client:
 
 
 STRANGER = """
-import os, sys
+import gc, os, sys
 from distributed import Client, Security
 own = dict(tls_ca_file=sys.argv[2], tls_client_cert=sys.argv[2], tls_client_key=sys.argv[3])
 key = Security(require_encryption=True, **own)
 os.setgroups([]), os.setgid(int(sys.argv[5])), os.setuid(int(sys.argv[4]))  # now: the interpreter may be root's alone
 for address, credentials in ((sys.argv[1], None), (sys.argv[1].replace("tls", "tcp"), None), (sys.argv[1], key)):
+    gc.collect()  # a client that failed must not be collected while the next one starts: both want one lock
     try:
         with Client(address, security=credentials, timeout="3s") as client:
             print("ran code as", client.submit(os.getuid).result(timeout=5))

@@ -1,0 +1,77 @@
+"""Ctrl-C at any moment: one line on standard error and exit code 130, as a shell has it, without a traceback."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+from gaitflow.execute.stop_request import SPOKEN_FOR
+
+STOPPED = "stopped; the same command goes on"
+PATIENCE_S = 3.0
+CLEAN_LINE = b"\r\x1b[K\x1b[?25h"  # over a bar, and with the cursor that it hides
+
+
+@contextmanager
+def while_importing() -> Iterator[None]:
+    """Leave at once on Ctrl-C: in an import there is nothing to tidy up, and nobody yet who would catch it."""
+    with _on_ctrl_c(lambda number, frame: _leave_now()):
+        yield
+
+
+@contextmanager
+def while_running() -> Iterator[None]:
+    """Let Ctrl-C raise KeyboardInterrupt, so that files half written are removed, and leave when that has come up.
+
+    Compiled code may lose that exception, or turn it into another one. So whatever comes up after Ctrl-C counts for it,
+    and when nothing does the process is left after PATIENCE_S, or at another Ctrl-C.
+    """
+    asked = threading.Event()
+    last_resort = threading.Timer(PATIENCE_S, _leave_now)
+    last_resort.daemon = True
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        if asked.is_set():
+            _leave_now()
+        asked.set()
+        last_resort.start()
+        raise KeyboardInterrupt
+
+    with _on_ctrl_c(interrupt):
+        try:
+            yield
+        except BaseException as error:
+            stopped = isinstance(error, KeyboardInterrupt)
+            if not stopped and not asked.is_set():
+                raise
+            last_resort.cancel()
+            _say(str(error) if stopped and str(error) else STOPPED)
+            sys.exit(130)
+
+
+@contextmanager
+def _on_ctrl_c(handler: signal._HANDLER) -> Iterator[None]:
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _leave_now() -> None:
+    _say(STOPPED)
+    os._exit(130)
+
+
+def _say(message: str) -> None:
+    if SPOKEN_FOR not in os.environ:
+        start = CLEAN_LINE if os.isatty(2) else b""
+        os.write(2, start + f"gaitflow: {message}\n".encode())
