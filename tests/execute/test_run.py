@@ -41,7 +41,7 @@ def test_a_run_solves_all_and_another_one_nothing(
     states: list[RunState] = []
     last = run_units(units, store, open_client, states.append, solve="fakes:steady")
     assert (last.total, last.solved, last.failed, last.left) == (6, 6, 0, 0)
-    assert [state.left for state in states] == [6, 5, 4, 3, 2, 1, 0]
+    assert list(dict.fromkeys(state.left for state in states)) == [6, 5, 4, 3, 2, 1, 0]
     assert store.solved() == {unit.digest for unit in units}
     again = run_units(units, store, no_cluster, solve="fakes:steady")
     assert (again.found, again.solved) == (6, 6)
