@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from tempfile import TemporaryDirectory
+import io
 
 import numpy as np
-from matplotlib.animation import PillowWriter
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
+from PIL import Image
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.trajectory import Array
@@ -22,6 +23,7 @@ from gaitflow.search.solution import Solution
 FRAMES_PER_SECOND = 25
 SLOWER = 2  # than in life
 WIDTH, DOTS = 4.6, 100  # inches, dots per inch
+COLOURS = 64  # of the whole picture, one palette for all frames: half the size of a palette a frame
 MARK_COLOUR = "#d8d8d4"  # of the lines on the ground
 
 
@@ -41,7 +43,8 @@ def film(solution: Solution, scenario: Scenario, gait: str, colour: str) -> byte
     margin = 0.08 * scene.height
     bars_height = 0.17 * len(scene.rows)
     height = (high - low + 2 * margin) / (right - left + 2 * margin) * WIDTH
-    figure = Figure(figsize=(WIDTH, height + bars_height + 0.8), dpi=DOTS, layout="constrained")
+    figure = Figure(figsize=(WIDTH, height + bars_height + 0.85), dpi=DOTS, layout="constrained")
+    figure.suptitle(gait, fontsize=10, x=0.02, horizontalalignment="left")
     stage, bars = figure.subplots(2, 1, height_ratios=[height, bars_height])
     draw_contacts(bars, solution.pattern, scene.durations, scenario.robot.leg_names, colour)
     bars.set_xlabel("time [s]", fontsize=9)
@@ -56,18 +59,25 @@ def film(solution: Solution, scenario: Scenario, gait: str, colour: str) -> byte
         stage.set_ylim(low - margin, high + margin)
         stage.set_aspect("equal", anchor="S")
         stage.set_axis_off()
-        stage.set_title(gait, fontsize=10, loc="left")
-        stage.set_title(task, fontsize=8, loc="right", color="#555555")
+        stage.set_title(task, fontsize=8, loc="left", color="#555555")
         cursor.set_xdata([time, time])
 
-    writer = PillowWriter(fps=FRAMES_PER_SECOND)
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "motion.gif"
-        with writer.saving(figure, str(path), DOTS):
-            for time, shot in zip(times, shots, strict=True):
-                draw(float(time), shot)
-                writer.grab_frame()
-        return path.read_bytes()
+    canvas, frames = FigureCanvasAgg(figure), []
+    for time, shot in zip(times, shots, strict=True):
+        draw(float(time), shot)
+        canvas.draw()
+        frames.append(np.array(canvas.buffer_rgba())[..., :3])
+    return _gif(frames)
+
+
+def _gif(frames: list[NDArray[np.uint8]]) -> bytes:
+    """Frames [height, width, 3] as a GIF that starts again without an end."""
+    palette = Image.fromarray(np.concatenate(frames)).quantize(COLOURS, Image.Quantize.FASTOCTREE)
+    # Dithering would make every frame differ from the one before all over, and only what differs is stored.
+    first, *others = [Image.fromarray(each).quantize(palette=palette, dither=Image.Dither.NONE) for each in frames]
+    file, duration = io.BytesIO(), 1000 // FRAMES_PER_SECOND
+    first.save(file, "GIF", save_all=True, append_images=others, duration=duration, loop=0)
+    return file.getvalue()
 
 
 def _shot(scene: Scene, time: float) -> Snapshot:
