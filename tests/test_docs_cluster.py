@@ -63,14 +63,6 @@ def test_every_command_names_what_there_is(page: str, checkout: Path) -> None:
                 assert word in BENCHES
 
 
-def test_commands_in_blocks_are_complete(page: str) -> None:
-    for block in BLOCK.findall(page):
-        for line in block.splitlines():
-            words = shlex.split(line)
-            context = main.commands[words[1]].make_context(words[1], words[2:], resilient_parsing=False)
-            assert context.params
-
-
 def test_every_field_of_a_profile_is_described_with_its_default(page: str) -> None:
     rows = table(page, "A profile, field by field")
     described = {name: row[-1] for row in rows for name in re.findall(r"`(\w+)`", row[0])}
