@@ -209,7 +209,7 @@ def undisturbed(scenario: Scenario, folder: Path) -> pd.DataFrame:
     """The rows of a run in this very process, to compare with."""
     store = UnitStore(folder)
     for unit in plan_units(scenario):
-        store.write(unit, fakes.steady(unit.scenario, unit.tasks, unit.seeds), {})
+        store.write(unit, fakes.steady(unit.scenario, unit.tasks, unit.seeds, None), {})
     return load_solutions(collect(store, scenario)).frame().drop(columns=MOVING)
 
 
