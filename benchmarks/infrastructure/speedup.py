@@ -1,6 +1,6 @@
 """Two workers against one on the same real units: wall time, CPU time, and where the rest goes.
 
-On worker processes of this machine, or with a profile on the jobs of a Slurm cluster.
+On worker processes of this machine, or with a profile on the jobs of a cluster.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def run(
 ) -> dict[str, Any]:
     """The document: a row a run. Works in, and empties, a folder below `runs`, which nodes must share.
 
-    `tasks` of the scenario's grid are solved, spread over it, one a unit. Raises what `slurm_client` does.
+    `tasks` of the scenario's grid are solved, spread over it, one a unit. Raises what `cluster_client` does.
     """
     units = plan_units(spread(scenario, tasks))
     (runs / "bench").mkdir(parents=True, exist_ok=True)
@@ -112,10 +112,10 @@ def _row(units: Sequence[Unit], store: UnitStore, workers: int, profile: Profile
         if profile is None:
             opened = local_client(workers)
         else:
-            from gaitflow.execute.schedulers.slurm import slurm_client  # dask-jobqueue is only needed here
+            from gaitflow.execute.schedulers.cluster_client import cluster_client  # dask-jobqueue is only needed here
 
             pool = profile.model_copy(update={"jobs": workers})
-            opened = slurm_client(pool, store.folder, longest_unit_s(units))
+            opened = cluster_client(pool, store.folder, longest_unit_s(units))
         with opened as each:
             each.wait_for_workers(workers, timeout=STARTED_S)
             yield each

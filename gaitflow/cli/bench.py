@@ -29,7 +29,7 @@ DEFAULT_SCENARIO = "half-cheetah-flat-effort"
 @click.option(
     "--profile",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
-    help="speedup only: on the jobs of this Slurm cluster.",
+    help="speedup only: on the jobs of this cluster.",
 )
 @json_option
 @click.pass_obj

@@ -1,4 +1,4 @@
-"""`gaitflow submit`, `cancel` and `doctor`: runs on a Slurm cluster."""
+"""`gaitflow submit`, `cancel` and `doctor`: runs on a cluster."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ profile_option = click.option(
 @json_option
 @click.pass_obj
 def submit(workspace: Workspace, scenario: str, profile_file: Path, dry_run: bool, as_json: bool) -> None:
-    """Make the map of SCENARIO on a Slurm cluster: submit a driver, which keeps its workers in the queue.
+    """Make the map of SCENARIO on a cluster: submit a driver, which keeps its workers in the queue.
 
     Log out if you like; `gaitflow status` says how far it is. Whatever ends the driver or its workers, what is solved
     is kept, and submitting once more goes on from there.
@@ -45,7 +45,7 @@ def submit(workspace: Workspace, scenario: str, profile_file: Path, dry_run: boo
     from gaitflow.store.parts import UnitStore
     from gaitflow.store.units import plan_units
 
-    with bad_input(), _slurm_errors():
+    with bad_input(), _scheduler_errors():
         resolved = workspace.scenario(scenario)
         check_installed(resolved.learning)
         folder = workspace.run(resolved).folder
@@ -73,18 +73,19 @@ def submit(workspace: Workspace, scenario: str, profile_file: Path, dry_run: boo
 @json_option
 @click.pass_obj
 def cancel(workspace: Workspace, scenario: str, as_json: bool) -> None:
-    """End all Slurm jobs of the run of SCENARIO, and no others. What is solved is kept.
+    """End all jobs of the run of SCENARIO, and no others. What is solved is kept.
 
     \b
     Example: gaitflow cancel quickstart
     """
     from gaitflow.execute.drivers import driver_process
+    from gaitflow.execute.schedulers.choice import recorded_scheduler
     from gaitflow.execute.schedulers.jobs import cancel_run
 
-    with bad_input(), _slurm_errors():
+    with bad_input(), _scheduler_errors():
         resolved = workspace.scenario(scenario)
         folder = workspace.run(resolved).folder
-        jobs = cancel_run(folder)
+        jobs = cancel_run(folder, recorded_scheduler(folder))
     process = driver_process(folder)
     if as_json:
         return print_json({"scenario": resolved.name, "cancelled": [asdict(job) for job in jobs], "process": process})
@@ -110,7 +111,7 @@ def doctor(workspace: Workspace, profile_file: Path, wait: float, as_json: bool)
     from gaitflow.execute.doctor import examine
 
     found = []
-    with bad_input(), _slurm_errors():
+    with bad_input(), _scheduler_errors():
         profile = load_profile(profile_file)
         for finding in examine(profile, workspace.root / "runs", wait):
             found.append(finding)
@@ -124,11 +125,11 @@ def doctor(workspace: Workspace, profile_file: Path, wait: float, as_json: bool)
 
 
 @contextmanager
-def _slurm_errors() -> Iterator[None]:
+def _scheduler_errors() -> Iterator[None]:
     from gaitflow.execute.drivers import DriverAlive
-    from gaitflow.execute.schedulers.jobs import SlurmError
+    from gaitflow.execute.schedulers.base import SchedulerError
 
     try:
         yield
-    except (SlurmError, DriverAlive) as error:
+    except (SchedulerError, DriverAlive) as error:
         fail(str(error))

@@ -62,7 +62,7 @@ profile_option = click.option(
     "profile_file",
     envvar=PROFILE,
     callback=found_profile,
-    help="Solve on the jobs of a Slurm cluster instead: a profile's file, or the name of one that ships.",
+    help="Solve on the jobs of a cluster instead: a profile's file, or the name of one that ships.",
 )
 workers_option = click.option("--workers", default=2, show_default=True, type=click.IntRange(1, 1024))
 

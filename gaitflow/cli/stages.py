@@ -26,7 +26,7 @@ from gaitflow.runtime.remote import local_folder
 def run(workspace: Workspace, scenario: str, workers: int, profile_file: Path | None, dry_run: bool) -> None:
     """Do all stages of SCENARIO that are not up to date: solve, label, train, publish, report.
 
-    With --profile the workers that solve are Slurm jobs; the other stages run here.
+    With --profile the workers that solve are jobs of a cluster; the other stages run here.
 
     \b
     Example: gaitflow run quickstart
@@ -66,8 +66,8 @@ def run(workspace: Workspace, scenario: str, workers: int, profile_file: Path | 
 def solve(workspace: Workspace, scenario: str, workers: int, profile_file: Path | None) -> None:
     """Solve every task of SCENARIO that is not stored yet, on WORKERS processes of this machine.
 
-    With --profile the workers are Slurm jobs, driven from here. Stop it with Ctrl-C; the same command goes on where it
-    stopped.
+    With --profile the workers are jobs of a cluster, driven from here. Stop it with Ctrl-C; the same command goes on
+    where it stopped.
 
     \b
     Example: gaitflow solve quickstart --workers 2
@@ -76,14 +76,14 @@ def solve(workspace: Workspace, scenario: str, workers: int, profile_file: Path 
     from gaitflow.dataset.collect import NotComplete
     from gaitflow.execute.drivers import DriverAlive
     from gaitflow.execute.run import RunFailed
-    from gaitflow.execute.schedulers.jobs import SlurmError
+    from gaitflow.execute.schedulers.base import SchedulerError
 
     with bad_input():
         resolved = workspace.scenario(scenario)
         try:
             profile = None if profile_file is None else load_profile(profile_file)
             state, path = stages.solve(workspace, resolved, workers, profile)
-        except (RunFailed, NotComplete, DriverAlive, SlurmError) as error:
+        except (RunFailed, NotComplete, DriverAlive, SchedulerError) as error:
             fail(str(error))
     click.echo(f"{state.solved} units solved, {state.failed} given up: {path}")
 

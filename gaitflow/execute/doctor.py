@@ -13,7 +13,9 @@ from typing import Any
 
 from gaitflow.config.cluster import Profile
 from gaitflow.execute import doctor_node
-from gaitflow.execute.schedulers.jobs import Partition, Queue, SlurmError, cancel, partition, slurm_version, submit
+from gaitflow.execute.schedulers.base import Partition, Scheduler, SchedulerError
+from gaitflow.execute.schedulers.choice import scheduler_of
+from gaitflow.execute.schedulers.jobs import Queue
 from gaitflow.execute.schedulers.scripts import doctor_script
 from gaitflow.files import WriteError, publish_once
 
@@ -37,22 +39,23 @@ def examine(profile: Profile, runs: Path, wait_s: float) -> Iterator[Finding]:
 
     `runs` is the folder of the runs, which all nodes have to see. A job that does not start within `wait_s` is a fault.
     """
+    scheduler = scheduler_of(profile)
     try:
-        yield Finding("sbatch", True, slurm_version())
+        yield Finding(scheduler.submit_command, True, scheduler.version())
         driver = profile.driver
-        workers = _partition("workers", profile.partition, profile.walltime_s)
+        workers = _partition(scheduler, "workers", profile.partition, profile.walltime_s)
         yield workers
-        yield _partition("driver", driver.partition or profile.partition, driver.walltime_s)
-    except SlurmError as error:
-        yield Finding("sbatch", False, str(error))
+        yield _partition(scheduler, "driver", driver.partition or profile.partition, driver.walltime_s)
+    except SchedulerError as error:
+        yield Finding(scheduler.submit_command, False, str(error))
         return
     if not workers.ok:
         return
     folder = runs.resolve() / f".doctor-{secrets.token_hex(4)}"
     try:
         publish_once(folder / doctor_node.TAKEN, b"here")
-        yield from _job(profile, folder, wait_s)
-    except SlurmError as error:
+        yield from _job(scheduler, profile, folder, wait_s)
+    except SchedulerError as error:
         yield Finding("job", False, f"{error}; check account, memory and directives of {profile.name}")
     except WriteError as error:
         yield Finding("shared folder", False, str(error))
@@ -60,12 +63,14 @@ def examine(profile: Profile, runs: Path, wait_s: float) -> Iterator[Finding]:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def _partition(role: str, name: str | None, walltime_s: int) -> Finding:
+def _partition(scheduler: Scheduler, role: str, name: str | None, walltime_s: int) -> Finding:
     check = f"partition of the {role}"
-    found = partition(name)
+    found = scheduler.partition(name)
     called = found.name if found else str(name or "the default one")
     if found is None:
-        return Finding(check, False, f"{called}: no such partition; `sinfo` lists those there are")
+        return Finding(
+            check, False, f"{called}: no such partition; `{scheduler.partitions_command}` lists those there are"
+        )
     if not found.up:
         return Finding(check, False, f"{called} is down; choose another one, or ask its administrators")
     if found.limit_s is not None and walltime_s > found.limit_s:
@@ -75,32 +80,34 @@ def _partition(role: str, name: str | None, walltime_s: int) -> Finding:
 
 def _described(found: Partition) -> str:
     limit = "no limit of time" if found.limit_s is None else f"at most {found.limit_s / 3600:g} h"
-    return f"{found.name}: {found.nodes} nodes, {limit}"
+    nodes = "" if found.nodes is None else f"{found.nodes} nodes, "
+    return f"{found.name}: {nodes}{limit}"
 
 
-def _job(profile: Profile, folder: Path, wait_s: float) -> Iterator[Finding]:
+def _job(scheduler: Scheduler, profile: Profile, folder: Path, wait_s: float) -> Iterator[Finding]:
     before = time.time()
-    job = submit(doctor_script(profile, folder))
+    job = scheduler.submit(doctor_script(scheduler, profile, folder))
     try:
-        ended = _wait_for(folder / doctor_node.REPORT, folder, job, wait_s)
+        ended = _wait_for(folder / doctor_node.REPORT, folder, scheduler, job, wait_s)
         yield Finding("job", ended is None, ended or f"job {job} started within {time.time() - before:.0f} s")
         if ended is not None:
             return
         report = json.loads((folder / doctor_node.REPORT).read_bytes())
         yield Finding("shared folder", True, f"{folder.parent} is seen by {report['host']}")
         yield _links(folder, report)
-        yield _clock(folder, job)
+        yield _clock(folder, scheduler, job)
         yield _environment(report)
         yield _scratch(profile, report)
         if profile.interface:
             yield _interface(profile.interface, report)
     finally:
-        cancel([job])
+        scheduler.cancel([job])
 
 
-def _wait_for(path: Path, folder: Path, job: str, wait_s: float) -> str | None:
+def _wait_for(path: Path, folder: Path, scheduler: Scheduler, job: str, wait_s: float) -> str | None:
     """Wait for a file that the job writes; what went wrong when it does not come, None when it is here."""
-    queue, deadline, state, gone_by = Queue(folder), time.monotonic() + wait_s, "submitted", float("inf")
+    queue, deadline = Queue(folder, scheduler), time.monotonic() + wait_s
+    state, gone_by = "submitted", float("inf")
     while not path.exists():
         news = queue.news()
         if news is not None:
@@ -139,10 +146,10 @@ def _links(folder: Path, report: dict[str, Any]) -> Finding:
     return Finding("atomic link", True, "the first file of a name stays, here and on the node")
 
 
-def _clock(folder: Path, job: str) -> Finding:
+def _clock(folder: Path, scheduler: Scheduler, job: str) -> Finding:
     asked = time.time()
     publish_once(folder / doctor_node.QUESTION, b"")
-    fault = _wait_for(folder / doctor_node.ANSWER, folder, job, doctor_node.WAIT_S)
+    fault = _wait_for(folder / doctor_node.ANSWER, folder, scheduler, job, doctor_node.WAIT_S)
     if fault is not None:
         return Finding("clock", False, fault)
     answered, there = time.time(), float(json.loads((folder / doctor_node.ANSWER).read_bytes())["time"])

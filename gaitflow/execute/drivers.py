@@ -15,7 +15,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from gaitflow.execute.schedulers.jobs import DRIVER, SlurmError, jobs_of
+from gaitflow.execute.schedulers.base import DRIVER, Scheduler, SchedulerError
+from gaitflow.execute.schedulers.choice import recorded_scheduler
+from gaitflow.execute.schedulers.jobs import jobs_of
 from gaitflow.files import atomic_write
 
 IN_DRIVER_JOB = "GAITFLOW_DRIVER_JOB"  # set by the driver's script: the id of its job
@@ -25,10 +27,10 @@ class DriverAlive(RuntimeError):
     """The run has a driver already; the message says where, and how to end it."""
 
 
-def refuse_second_driver(run_folder: Path) -> None:
-    """Raises DriverAlive when a job or a process drives this run, SlurmError when Slurm cannot be asked."""
+def refuse_second_driver(run_folder: Path, scheduler: Scheduler) -> None:
+    """Raises DriverAlive when a job or a process drives this run, SchedulerError when it cannot be asked."""
     name = run_folder.resolve().name
-    for job in jobs_of(run_folder, max_age_s=0):
+    for job in jobs_of(run_folder, scheduler, max_age_s=0):
         if job.role == DRIVER and job.alive:
             raise DriverAlive(
                 f"{name}: the driver job {job.id} is {job.state.lower()}; watch it with `gaitflow status {name}`, "
@@ -50,12 +52,12 @@ def driver_process(run_folder: Path) -> str | None:
 
 
 @contextmanager
-def the_driver(run_folder: Path) -> Iterator[None]:
-    """Be the run's driver on a cluster for a block. Raises DriverAlive when it has another, SlurmError, WriteError."""
+def the_driver(run_folder: Path, scheduler: Scheduler) -> Iterator[None]:
+    """Be the run's driver on a cluster for a block. Raises DriverAlive when it has one, SchedulerError, WriteError."""
     if IN_DRIVER_JOB in os.environ:  # `submit` has looked, and a requeued job is the same one
         yield
         return
-    refuse_second_driver(run_folder)
+    refuse_second_driver(run_folder, scheduler)
     with _recorded(run_folder):
         yield
 
@@ -64,8 +66,8 @@ def the_driver(run_folder: Path) -> Iterator[None]:
 def the_local_driver(run_folder: Path) -> Iterator[None]:
     """Be the run's driver on this machine alone for a block. Raises DriverAlive when there is another, WriteError."""
     if (run_folder / "cluster").is_dir():
-        with suppress(SlurmError):  # the folder may have been copied from a cluster
-            refuse_second_driver(run_folder)
+        with suppress(SchedulerError):  # the folder may have been copied from a cluster
+            refuse_second_driver(run_folder, recorded_scheduler(run_folder))
     with _recorded(run_folder):
         yield
 

@@ -23,7 +23,7 @@ SETTINGS: dict[str, Any] = PROCESS | {
     "distributed.scheduler.active-memory-manager.start": False,  # receipts are small
     "distributed.admin.tick.limit": "30s",
 }
-SLURM_SETTINGS: dict[str, Any] = SETTINGS | {
+CLUSTER_SETTINGS: dict[str, Any] = SETTINGS | {
     "distributed.scheduler.worker-ttl": "2 minutes",  # a node without power says no goodbye
     "distributed.deploy.lost-worker-timeout": "1 day",  # the pool sees to lost workers itself, at once
 }

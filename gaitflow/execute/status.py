@@ -1,4 +1,4 @@
-"""How far a run is, read from its folder: while it runs, after it, from another machine, without Dask or Slurm."""
+"""How far a run is, read from its folder: while it runs, after it, from another machine, without Dask."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from typing import Any
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.execute.drivers import driver_process
-from gaitflow.execute.schedulers.jobs import DRIVER, SlurmError, jobs_of
+from gaitflow.execute.schedulers.base import DRIVER, SchedulerError
+from gaitflow.execute.schedulers.choice import recorded_scheduler
+from gaitflow.execute.schedulers.jobs import jobs_of
 from gaitflow.store.attempts import LostAttempt
 from gaitflow.store.journal import read_journal
 from gaitflow.store.parts import UnitStore
@@ -20,7 +22,7 @@ LATEST_ERRORS = 5
 
 @dataclass(frozen=True)
 class JobCounts:
-    """Jobs in Slurm's queue by state ("RUNNING"), and by reason those that wait ("Priority")."""
+    """Jobs in the queue by state ("RUNNING"), and by reason those that wait ("Priority")."""
 
     driver: dict[str, int]
     workers: dict[str, int]
@@ -41,7 +43,7 @@ class RunStatus:
     `driver` is the process or the job that drives the run, None when nobody does. `cpu_hours_left` is None while no
     unit is solved. `quarantined` parts and packs were damaged. `errors` are the
     latest attempts that the solver did not survive, newest first. `jobs` is None for a run that never was on a cluster,
-    and where Slurm cannot be asked. `logs` is the folder of the jobs' output, None without one.
+    and where its scheduler cannot be asked. `logs` is the folder of the jobs' output, None without one.
     """
 
     scenario: str
@@ -109,8 +111,8 @@ def _jobs(run_folder: Path) -> JobCounts | None:
     if not (run_folder / "cluster").is_dir():
         return None
     try:
-        jobs = jobs_of(run_folder)
-    except SlurmError:
+        jobs = jobs_of(run_folder, recorded_scheduler(run_folder))
+    except SchedulerError:
         return None
     waiting = Counter(job.reason for job in jobs if job.state == "PENDING")
     driver = Counter(job.state for job in jobs if job.role == DRIVER)

@@ -26,7 +26,7 @@ def run_workflow(
 ) -> bool:
     """Run what is out of date of `scenario`, which the user `named` so; True when everything asked for is done.
 
-    With a profile the workers of the solve stage are jobs of a Slurm cluster. Raises WriteError when nothing can be
+    With a profile the workers of the solve stage are jobs of a cluster. Raises WriteError when nothing can be
     written in the workspace.
     """
     make_folder(workspace.root)

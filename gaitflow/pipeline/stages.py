@@ -49,7 +49,7 @@ def solve(
 ) -> tuple[RunState, Path]:
     """Solve every unit that the store lacks and collect them into one file.
 
-    On `workers` processes of this machine, or with a profile on the jobs of a Slurm cluster. Raises DriverAlive when
+    On `workers` processes of this machine, or with a profile on the jobs of a cluster. Raises DriverAlive when
     another process or job solves the run, WriteError.
     """
     from gaitflow.dataset.collect import collect
@@ -75,9 +75,9 @@ def solve(
         def open_client() -> AbstractContextManager[Any]:
             if profile is None:
                 return local_run_client(store.folder, workers)
-            from gaitflow.execute.schedulers.slurm import slurm_client
+            from gaitflow.execute.schedulers.cluster_client import cluster_client
 
-            return slurm_client(profile, store.folder, longest_unit_s(units), tell)
+            return cluster_client(profile, store.folder, longest_unit_s(units), tell)
 
         state = run_units(units, store, open_client, remember)
     return state, collect(store, scenario)

@@ -11,7 +11,7 @@ from click.testing import CliRunner, Result
 
 from gaitflow.cli import main
 from gaitflow.execute.drivers import IN_DRIVER_JOB
-from gaitflow.execute.schedulers.jobs import comment
+from gaitflow.execute.schedulers.base import job_mark
 
 PROFILE = "slurm/profiles/test-cluster.yaml"
 
@@ -43,8 +43,8 @@ def gaitflow(*arguments: str) -> Result:
 
 def queue_of(project: Path) -> Path:
     run = project / "runs" / "quickstart"
-    lines = [f"42|RUNNING|d|{comment(run, 'driver')}|None", f"43|PENDING|w|{comment(run, 'a-0')}|Priority"]
-    lines.append(f"99|RUNNING|w|{comment(project / 'runs' / 'other', 'a-0')}|None")
+    lines = [f"42|RUNNING|d|{job_mark(run, 'driver')}|None", f"43|PENDING|w|{job_mark(run, 'a-0')}|Priority"]
+    lines.append(f"99|RUNNING|w|{job_mark(project / 'runs' / 'other', 'a-0')}|None")
     (project / "bin" / "queue").write_text("\n".join(lines) + "\n")
     return run
 

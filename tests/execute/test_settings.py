@@ -9,12 +9,12 @@ import dask
 import distributed  # noqa: F401, which makes its settings known
 import pytest
 
-from gaitflow.execute.settings import PROCESS, SLURM_SETTINGS, exports
+from gaitflow.execute.settings import CLUSTER_SETTINGS, PROCESS, exports
 
 ABSENT = object()
 
 
-@pytest.mark.parametrize("name", SLURM_SETTINGS)
+@pytest.mark.parametrize("name", CLUSTER_SETTINGS)
 def test_dask_knows_the_setting(name: str) -> None:
     assert dask.config.get(name, ABSENT) is not ABSENT
 

@@ -28,6 +28,7 @@ from gaitflow.config.scenario import Scenario
 from gaitflow.dataset import load_solutions
 from gaitflow.dataset.collect import collect
 from gaitflow.execute.schedulers.scripts import driver_script
+from gaitflow.execute.schedulers.slurm import Slurm
 from gaitflow.store.journal import Entry, read_journal, unended
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import plan_units
@@ -96,7 +97,8 @@ class Run:
         program.chmod(0o755)
         (self.store.folder / "logs").mkdir(parents=True)
         profile, name = load_profile(self.profile), self.scenario.name
-        script.write_text(driver_script(profile, self.store.folder, self.folder, name, self.profile, str(program)))
+        folders = self.store.folder, self.folder
+        script.write_text(driver_script(Slurm(), profile, *folders, name, self.profile, script, str(program)))
         self._job = self.cluster.call("sbatch", "--parsable", str(script)).strip()
         return self._job
 

@@ -10,7 +10,7 @@ from gaitflow.config.cluster import load_profile
 from gaitflow.config.scenario import Scenario
 from gaitflow.execute.progress import progress
 from gaitflow.execute.run import RunFailed, RunStopped, run_units
-from gaitflow.execute.schedulers.slurm import slurm_client
+from gaitflow.execute.schedulers.cluster_client import cluster_client
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import plan_units
 
@@ -29,7 +29,7 @@ def main(scenario_file: str, folder: str, solve: str, profile_file: str) -> None
             run_units(
                 plan_units(scenario),
                 store,
-                lambda: slurm_client(profile, store.folder, LONGEST_UNIT_S, tell),
+                lambda: cluster_client(profile, store.folder, LONGEST_UNIT_S, tell),
                 on_event,
                 solve=solve,
             )

@@ -1,1 +1,1 @@
-"""Slurm: its jobs, the scripts they run, and the pool of workers made of them."""
+"""Schedulers of clusters: what is asked of one (`base`), each of them, the jobs of a run, the pool of workers."""

@@ -1,8 +1,8 @@
-"""A pool of workers that are Slurm jobs, kept at its size whatever ends them.
+"""A pool of workers that are jobs of a cluster, kept at its size whatever ends them.
 
 dask-jobqueue submits a job a worker. What it leaves out is here: a job that was lost before its worker came up, a job
-that sbatch refused, and jobs that nobody knows are all found by comparing the workers that the scheduler sees, and
-every 30 s the jobs that squeue lists, with what is wanted. When sbatch refuses all of them for long, it says so.
+that was refused, and jobs that nobody knows are all found by comparing the workers that the scheduler sees, and
+every 30 s the jobs that are in the queue, with what is wanted. When all of them are refused for long, it says so.
 """
 
 from __future__ import annotations
@@ -15,45 +15,51 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from dask_jobqueue.slurm import SLURMCluster, SLURMJob
+from dask_jobqueue.core import Job as DaskJob
+from dask_jobqueue.core import JobQueueCluster
 from distributed import Security, Status
 
 from gaitflow.config.cluster import Profile
-from gaitflow.execute.schedulers.jobs import DRIVER, Job, Queue, SlurmError, cancel
+from gaitflow.execute.schedulers.base import DRIVER, Job, Scheduler, SchedulerError
+from gaitflow.execute.schedulers.jobs import Queue
 from gaitflow.execute.schedulers.scripts import worker_script
 
 POLL_S = 1.0
 STEP = 16  # jobs that are submitted before looking again
-AT_ONCE = 4  # sbatch commands side by side
-FIRST_WAIT_S, LONGEST_WAIT_S = 5.0, 300.0  # between tries when sbatch fails or workers do not come up
+AT_ONCE = 4  # submissions side by side
+FIRST_WAIT_S, LONGEST_WAIT_S = 5.0, 300.0  # between tries when submissions fail or workers do not come up
 GIVE_UP_S = 1800.0  # of refusals, some ten tries, while no job waits or runs: a full queue may pass by then
 
 OnNote = Callable[[str], None]
 
 
-class WorkerJob(SLURMJob):
+class WorkerJob(DaskJob):
     """One job with one worker. A submission that fails leaves its reason in `error` and no job id."""
+
+    config_name = "slurm"  # any section of Dask's will do: nothing of it is used
 
     def __init__(
         self,
         scheduler: str | None = None,
         name: str | None = None,
+        submit_command: str = "",
         write_script: Callable[[str, str], str] = lambda worker, scheduler: "",
         gate: asyncio.Semaphore | None = None,
         **options: Any,
     ) -> None:
         super().__init__(scheduler=scheduler, name=name, **options)
+        self.submit_command = submit_command  # type: ignore[assignment]  # Dask's class has None
         self._write_script, self._gate = write_script, gate or asyncio.Semaphore()
         self.error = ""
         self.submitted = float("inf")  # time.monotonic() [s]
         self.came_up = False
 
     def job_script(self) -> str:
-        """The text that sbatch is given."""
+        """The text that is submitted."""
         return self._write_script(str(self.name), str(self.scheduler))
 
     async def start(self) -> None:
-        """Submit the job; never raises for what sbatch does."""
+        """Submit the job; never raises for what the scheduler does."""
         try:
             async with self._gate:
                 await super().start()
@@ -67,16 +73,17 @@ class WorkerJob(SLURMJob):
         self.status = Status.closed
 
 
-class WorkerPool(SLURMCluster):
+class WorkerPool(JobQueueCluster):
     """A Dask cluster whose scheduler is here and whose `profile.jobs` workers are jobs.
 
     `hopeless` says why no worker is to be expected any more; it is "" while one is.
     """
 
-    job_cls: type[SLURMJob] = WorkerJob
+    job_cls: type[DaskJob] = WorkerJob
 
     def __init__(
         self,
+        scheduler: Scheduler,
         profile: Profile,
         run_folder: Path,
         longest_unit_s: float,
@@ -84,16 +91,16 @@ class WorkerPool(SLURMCluster):
         on_note: OnNote = lambda note: None,
     ) -> None:
         self._wanted, self._on_note = profile.jobs, on_note
-        self._run_folder = run_folder
+        self._run_folder, self._jobs_scheduler = run_folder, scheduler
         self._numbers = itertools.count()
-        self._listing = Queue(run_folder)
+        self._listing = Queue(run_folder, scheduler)
         self._wait_s, self._not_before = 0.0, 0.0
         self._refused_since: float | None = None  # time.monotonic() [s]
         self.hopeless = ""
         self._keeper: asyncio.Task[None] | None = None
 
-        def write_script(worker: str, scheduler: str) -> str:
-            return worker_script(profile, run_folder, worker, scheduler, longest_unit_s)
+        def write_script(worker: str, address: str) -> str:
+            return worker_script(scheduler, profile, run_folder, worker, address, longest_unit_s)
 
         super().__init__(
             name=secrets.token_hex(3),  # so that the workers of two sessions never have one name
@@ -104,6 +111,7 @@ class WorkerPool(SLURMCluster):
             cores=1,
             processes=1,
             memory=profile.memory,
+            submit_command=scheduler.submit_command,
             write_script=write_script,
             gate=asyncio.Semaphore(AT_ONCE),
         )
@@ -117,7 +125,7 @@ class WorkerPool(SLURMCluster):
         self.sync(begin)
 
     def end_jobs(self) -> None:
-        """Stop replacing jobs and end all of them. A worker that Slurm cannot end ends itself with the scheduler."""
+        """Stop replacing jobs and end all of them. A worker that cannot be ended ends itself with the scheduler."""
 
         async def end() -> None:
             if self._keeper is not None:
@@ -157,10 +165,10 @@ class WorkerPool(SLURMCluster):
             self.scale(len(self.worker_spec) + min(missing, STEP))
 
     async def _listed(self) -> tuple[dict[str, Job], float] | None:
-        """Living jobs by id and when they were listed; None when it is too early to ask again, or Slurm is away."""
+        """Living jobs by id and when they were listed; None when it is too early to ask, or nobody answers."""
         try:
             news = await asyncio.to_thread(self._listing.news)
-        except SlurmError as error:
+        except SchedulerError as error:
             self._on_note(f"the queue cannot be read, workers go on: {error}")
             self._refused_since = None  # a controller that is away refuses nothing
             return None
@@ -185,7 +193,9 @@ class WorkerPool(SLURMCluster):
             self._not_before = time.monotonic() + self._wait_s
         again = f"next try in {self._wait_s:.0f} s"
         if refused:
-            self._on_note(f"sbatch failed for {len(refused)} jobs ({refused[0].error}); {again}")
+            self._on_note(
+                f"{self._jobs_scheduler.submit_command} failed for {len(refused)} jobs ({refused[0].error}); {again}"
+            )
         if stillborn:
             log = self._run_folder / "logs" / f"worker-{stillborn[0].job_id}.log"
             self._on_note(f"{len(stillborn)} jobs ended before their worker came up, see {log}; {again}")
@@ -194,17 +204,18 @@ class WorkerPool(SLURMCluster):
             self._on_note(f"{lost} workers ended, replaced by new jobs")
 
     def _judge(self, refusals: list[str]) -> None:
-        """Give up hope when sbatch has refused everything for long and no job is left. `refusals`: new reasons."""
+        """Give up hope when everything was refused for long and no job is left. `refusals`: new reasons."""
         if any(job.job_id for job in self.workers.values()):
             self._refused_since = None
         elif refusals and self._refused_since is None:
             self._refused_since = time.monotonic()
         elif refusals and self._refused_since is not None and time.monotonic() - self._refused_since > GIVE_UP_S:
-            self.hopeless = f"sbatch has refused every worker for {GIVE_UP_S / 60:.0f} minutes ({refusals[-1]})"
+            command, minutes = self._jobs_scheduler.submit_command, GIVE_UP_S / 60
+            self.hopeless = f"{command} has refused every worker for {minutes:.0f} minutes ({refusals[-1]})"
 
     async def _cancel(self, ids: list[str]) -> None:
         if ids:
             try:
-                await asyncio.to_thread(cancel, ids)
-            except SlurmError as error:
+                await asyncio.to_thread(self._jobs_scheduler.cancel, ids)
+            except SchedulerError as error:
                 self._on_note(f"{len(ids)} jobs cannot be cancelled, they end by themselves: {error}")

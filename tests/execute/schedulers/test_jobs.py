@@ -12,17 +12,11 @@ import pytest
 
 from gaitflow.execute.drivers import IN_DRIVER_JOB, DriverAlive, driver_process, refuse_second_driver, the_driver
 from gaitflow.execute.schedulers import jobs
-from gaitflow.execute.schedulers.jobs import (
-    Queue,
-    SlurmError,
-    cancel,
-    cancel_run,
-    comment,
-    job_id,
-    jobs_of,
-    parse_queue,
-    submit,
-)
+from gaitflow.execute.schedulers.base import SchedulerError, job_mark
+from gaitflow.execute.schedulers.jobs import Queue, cancel_run, jobs_of
+from gaitflow.execute.schedulers.slurm import Slurm, job_id, parse_queue
+
+SLURM = Slurm()
 
 
 class Commands:
@@ -67,17 +61,17 @@ def run(tmp_path: Path) -> Path:
 def listing(run: Path) -> str:
     other = run.parent / "other"
     return (
-        f"11|RUNNING|gaitflow-quickstart-driver|{comment(run, 'driver')}|None\n"
-        f"12|PENDING|gaitflow-quickstart-worker|{comment(run, 'ab-0')}|Resources | or so\n"
-        f"13|COMPLETING|gaitflow-quickstart-worker|{comment(run, 'ab-1')}|None\n"
-        f"14|RUNNING|gaitflow-quickstart-worker|{comment(other, 'ab-2')}|None\n"
+        f"11|RUNNING|gaitflow-quickstart-driver|{job_mark(run, 'driver')}|None\n"
+        f"12|PENDING|gaitflow-quickstart-worker|{job_mark(run, 'ab-0')}|Resources | or so\n"
+        f"13|COMPLETING|gaitflow-quickstart-worker|{job_mark(run, 'ab-1')}|None\n"
+        f"14|RUNNING|gaitflow-quickstart-worker|{job_mark(other, 'ab-2')}|None\n"
         "15|RUNNING|gaitflow-quickstart-worker|(null)|None\n"
         "some warning\n"
     )
 
 
 def test_only_jobs_with_the_run_s_mark_are_its_jobs(run: Path) -> None:
-    found = parse_queue(listing(run), run)
+    found = parse_queue(listing(run), job_mark(run, ""))
     assert [(job.id, job.role, job.alive) for job in found] == [
         ("11", "driver", True),
         ("12", "ab-0", True),
@@ -88,36 +82,36 @@ def test_only_jobs_with_the_run_s_mark_are_its_jobs(run: Path) -> None:
 
 def test_cancel_ends_the_run_s_jobs_and_no_others_the_driver_first(commands: Commands, run: Path) -> None:
     commands.answers("squeue", listing(run))
-    assert [job.id for job in cancel_run(run)] == ["11", "12"]
+    assert [job.id for job in cancel_run(run, SLURM)] == ["11", "12"]
     assert commands.calls("scancel") == ["--quiet 11 12"]
     assert f"--user={os.getuid()}" in commands.calls("squeue")[0]
 
 
 def test_nothing_to_cancel_is_no_error_and_asks_for_nothing(commands: Commands, run: Path) -> None:
-    assert cancel_run(run) == ()
+    assert cancel_run(run, SLURM) == ()
     assert commands.calls("scancel") == []
 
 
 def test_many_jobs_are_cancelled_by_few_commands(commands: Commands) -> None:
-    cancel(str(number) for number in range(1200))
+    SLURM.cancel(str(number) for number in range(1200))
     assert [len(call.split()) for call in commands.calls("scancel")] == [501, 501, 201]
 
 
 def test_a_listing_is_shared_by_all_who_ask_within_half_a_minute(commands: Commands, run: Path) -> None:
     commands.answers("squeue", listing(run))
-    first = jobs_of(run)
-    assert jobs_of(run) == first and len(commands.calls("squeue")) == 1
+    first = jobs_of(run, SLURM)
+    assert jobs_of(run, SLURM) == first and len(commands.calls("squeue")) == 1
     kept = run / "cluster" / "jobs.json"
     data = json.loads(kept.read_text())
     kept.write_text(json.dumps(data | {"time": time.time() - 31}))
-    assert jobs_of(run) == first and len(commands.calls("squeue")) == 2
+    assert jobs_of(run, SLURM) == first and len(commands.calls("squeue")) == 2
     kept.write_text("{")
-    assert jobs_of(run) == first and len(commands.calls("squeue")) == 3
-    assert jobs_of(run, max_age_s=0) == first and len(commands.calls("squeue")) == 4
+    assert jobs_of(run, SLURM) == first and len(commands.calls("squeue")) == 3
+    assert jobs_of(run, SLURM, max_age_s=0) == first and len(commands.calls("squeue")) == 4
 
 
 def test_asking_about_a_run_that_never_was_on_a_cluster_writes_nothing(commands: Commands, tmp_path: Path) -> None:
-    assert jobs_of(tmp_path / "runs" / "new") == ()
+    assert jobs_of(tmp_path / "runs" / "new", SLURM) == ()
     assert not (tmp_path / "runs").exists()
 
 
@@ -125,7 +119,7 @@ def test_a_queue_asks_every_half_minute_at_most(commands: Commands, run: Path, m
     commands.answers("squeue", listing(run))
     now = time.monotonic()
     monkeypatch.setattr(jobs.time, "monotonic", lambda: now)
-    queue = Queue(run)
+    queue = Queue(run, SLURM)
     news = queue.news()
     assert news is not None and len(news[0]) == 3 and news[1] == now
     for _ in range(5):
@@ -134,7 +128,7 @@ def test_a_queue_asks_every_half_minute_at_most(commands: Commands, run: Path, m
     assert queue.news() is None
     now += 0.2
     commands.answers("squeue", code=1, error="slurm_load_jobs error: Unable to contact slurm controller\n")
-    with pytest.raises(SlurmError, match="Unable to contact"):
+    with pytest.raises(SchedulerError, match="Unable to contact"):
         queue.news()
     assert queue.news() is None, "also after a failure"
     assert len(commands.calls("squeue")) == 2
@@ -147,20 +141,20 @@ def test_the_id_in_sbatch_s_answer(answer: str, number: str) -> None:
 
 @pytest.mark.parametrize("answer", ["", "Submitted", "4x2"])
 def test_an_answer_without_an_id_is_told(answer: str) -> None:
-    with pytest.raises(SlurmError, match="no job id"):
+    with pytest.raises(SchedulerError, match="no job id"):
         job_id(answer)
 
 
 def test_what_sbatch_says_is_passed_on(commands: Commands) -> None:
     commands.answers("sbatch", code=1, error="sbatch: error: Batch job submission failed: Invalid account\n")
-    with pytest.raises(SlurmError, match=r"^sbatch: Batch job submission failed: Invalid account$"):
-        submit("#!/bin/bash\n")
+    with pytest.raises(SchedulerError, match=r"^sbatch: Batch job submission failed: Invalid account$"):
+        SLURM.submit("#!/bin/bash\n")
 
 
 def test_a_machine_without_slurm_is_told_so(monkeypatch: pytest.MonkeyPatch, run: Path) -> None:
     monkeypatch.setenv("PATH", "/nowhere")
-    with pytest.raises(SlurmError, match="squeue: not found; run this where Slurm is"):
-        jobs_of(run)
+    with pytest.raises(SchedulerError, match="squeue: not found; run this where Slurm is"):
+        jobs_of(run, SLURM)
 
 
 @pytest.mark.parametrize(
@@ -168,16 +162,16 @@ def test_a_machine_without_slurm_is_told_so(monkeypatch: pytest.MonkeyPatch, run
 )
 def test_limits_of_partitions(commands: Commands, text: str, seconds: int | None) -> None:
     commands.answers("sinfo", f"long|long|up|10|4\nshort|short*|up|{text}|3\n")
-    found = jobs.partition(None)
+    found = SLURM.partition(None)
     assert found is not None and (found.name, found.limit_s, found.nodes, found.up) == ("short", seconds, 3, True)
 
 
 def test_a_second_driver_is_refused_with_the_way_out(commands: Commands, run: Path) -> None:
     commands.answers("squeue", listing(run))
     with pytest.raises(DriverAlive, match=r"driver job 11 is running; .*gaitflow cancel quickstart"):
-        refuse_second_driver(run)
+        refuse_second_driver(run, SLURM)
     commands.answers("squeue", "")
-    refuse_second_driver(run)
+    refuse_second_driver(run, SLURM)
 
 
 def start_of(pid: int) -> str:
@@ -185,20 +179,20 @@ def start_of(pid: int) -> str:
 
 
 def test_a_process_that_drives_is_known_until_it_ends(commands: Commands, run: Path) -> None:
-    with the_driver(run):
+    with the_driver(run, SLURM):
         record = json.loads((run / "driver.json").read_text())
         assert record["pid"] == os.getpid()
         (run / "driver.json").write_text(json.dumps(record | {"pid": os.getppid(), "started": start_of(os.getppid())}))
         with pytest.raises(DriverAlive, match=rf"the process {os.getppid()} of {getpass.getuser()} on \S+ solves it"):
-            refuse_second_driver(run)
+            refuse_second_driver(run, SLURM)
     assert driver_process(run) is None
     (run / "driver.json").write_text(json.dumps(record | {"pid": 2**22 + 1}))
-    refuse_second_driver(run)  # it was killed
+    refuse_second_driver(run, SLURM)  # it was killed
     (run / "driver.json").write_text(json.dumps(record | {"pid": os.getppid(), "started": "1"}))
-    refuse_second_driver(run)  # it was killed, and its number is another process's now
+    refuse_second_driver(run, SLURM)  # it was killed, and its number is another process's now
     (run / "driver.json").write_text(json.dumps(record | {"host": "elsewhere"}))
     with pytest.raises(DriverAlive, match=r"on elsewhere solves it; end that one first, or remove .*driver\.json"):
-        refuse_second_driver(run)
+        refuse_second_driver(run, SLURM)
 
 
 def test_a_driver_job_that_comes_back_is_not_its_own_rival(
@@ -206,5 +200,5 @@ def test_a_driver_job_that_comes_back_is_not_its_own_rival(
 ) -> None:
     commands.answers("squeue", listing(run))
     monkeypatch.setenv(IN_DRIVER_JOB, "11")
-    with the_driver(run):
+    with the_driver(run, SLURM):
         assert commands.calls("squeue") == []

@@ -12,16 +12,17 @@ from gaitflow.config.cluster import Profile
 from gaitflow.execute.drivers import IN_DRIVER_JOB
 from gaitflow.execute.run import RunFailed, run_units
 from gaitflow.execute.schedulers import jobs, pool
-from gaitflow.execute.schedulers.jobs import comment
+from gaitflow.execute.schedulers.base import job_mark
+from gaitflow.execute.schedulers.cluster_client import cluster_client
 from gaitflow.execute.schedulers.pool import WorkerPool
-from gaitflow.execute.schedulers.slurm import slurm_client
+from gaitflow.execute.schedulers.slurm import Slurm
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import Unit
 
 PROFILE = Profile(name="here", walltime="01:00:00", jobs=2, interface="lo", tls=False)
 
 
-class Slurm:
+class Commands:
     """sbatch, squeue and scancel over a folder: `queue` has a line a job, `refuse` the reason of refusals."""
 
     def __init__(self, folder: Path) -> None:
@@ -61,11 +62,11 @@ class Slurm:
 
 
 @pytest.fixture
-def slurm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Slurm:
-    slurm = Slurm(tmp_path / "bin")
+def slurm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Commands:
+    slurm = Commands(tmp_path / "bin")
     monkeypatch.setenv("PATH", f"{slurm.folder}:/usr/bin:/bin")
     monkeypatch.delenv(IN_DRIVER_JOB, raising=False)
-    monkeypatch.setattr(jobs, "SQUEUE_EVERY_S", 0.2)
+    monkeypatch.setattr(jobs, "ASK_EVERY_S", 0.2)
     for name, seconds in {"POLL_S": 0.05, "FIRST_WAIT_S": 0.1, "LONGEST_WAIT_S": 0.3}.items():
         monkeypatch.setattr(pool, name, seconds)
     return slurm
@@ -77,9 +78,9 @@ def notes() -> list[str]:
 
 
 @pytest.fixture
-def worker_pool(slurm: Slurm, store: UnitStore, notes: list[str]) -> Iterator[WorkerPool]:
+def worker_pool(slurm: Commands, store: UnitStore, notes: list[str]) -> Iterator[WorkerPool]:
     (store.folder / "logs").mkdir(parents=True)
-    with WorkerPool(PROFILE, store.folder, 5.0, None, notes.append) as made:
+    with WorkerPool(Slurm(), PROFILE, store.folder, 5.0, None, notes.append) as made:
         yield made
         made.end_jobs()
 
@@ -92,7 +93,7 @@ def wait_until(condition: Callable[[], object], seconds: float = 20.0) -> None:
 
 
 def test_jobs_that_wait_are_left_alone_and_lost_ones_replaced(
-    worker_pool: WorkerPool, slurm: Slurm, notes: list[str]
+    worker_pool: WorkerPool, slurm: Commands, notes: list[str]
 ) -> None:
     worker_pool.keep_up()
     wait_until(lambda: len(slurm.queue()) == 2)
@@ -106,26 +107,26 @@ def test_jobs_that_wait_are_left_alone_and_lost_ones_replaced(
 
 
 def test_jobs_that_nobody_knows_are_ended_and_other_runs_left_alone(
-    worker_pool: WorkerPool, slurm: Slurm, store: UnitStore
+    worker_pool: WorkerPool, slurm: Commands, store: UnitStore
 ) -> None:
-    rows = [("900", comment(store.folder, "old-0")), ("901", comment(store.folder, "driver"))]
-    rows.append(("902", comment(store.folder.parent / "other", "old-0")))
+    rows = [("900", job_mark(store.folder, "old-0")), ("901", job_mark(store.folder, "driver"))]
+    rows.append(("902", job_mark(store.folder.parent / "other", "old-0")))
     slurm.set(queue="".join(f"{id}|RUNNING|w|{mark}|None\n" for id, mark in rows))
     worker_pool.keep_up()
     wait_until(lambda: slurm.cancelled() == {"900"} and len(slurm.queue()) == 4)
     assert {"901", "902"} < set(slurm.queue())
 
 
-def test_the_end_of_the_pool_ends_its_jobs(slurm: Slurm, store: UnitStore) -> None:
+def test_the_end_of_the_pool_ends_its_jobs(slurm: Commands, store: UnitStore) -> None:
     (store.folder / "logs").mkdir(parents=True)
-    with WorkerPool(PROFILE, store.folder, 5.0, None) as made:
+    with WorkerPool(Slurm(), PROFILE, store.folder, 5.0, None) as made:
         made.keep_up()
         wait_until(lambda: len(slurm.queue()) == 2)
         made.end_jobs()
     assert slurm.queue() == [] and slurm.submissions() == 2
 
 
-def test_refusals_are_told_and_tried_again(worker_pool: WorkerPool, slurm: Slurm, notes: list[str]) -> None:
+def test_refusals_are_told_and_tried_again(worker_pool: WorkerPool, slurm: Commands, notes: list[str]) -> None:
     slurm.set(refuse="Batch job submission failed: Job violates accounting/QOS policy")
     worker_pool.keep_up()
     wait_until(lambda: slurm.submissions() >= 6)
@@ -136,13 +137,13 @@ def test_refusals_are_told_and_tried_again(worker_pool: WorkerPool, slurm: Slurm
 
 
 def test_refusals_without_end_end_the_run(
-    slurm: Slurm, store: UnitStore, units: tuple[Unit, ...], notes: list[str], monkeypatch: pytest.MonkeyPatch
+    slurm: Commands, store: UnitStore, units: tuple[Unit, ...], notes: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(pool, "GIVE_UP_S", 1.5)
     slurm.set(refuse="Batch job submission failed: Invalid account or account/partition combination specified")
     begin = time.monotonic()
     with pytest.raises(RunFailed) as failed:
-        run_units(units, store, lambda: slurm_client(PROFILE, store.folder, 5.0, notes.append), solve="fakes:steady")
+        run_units(units, store, lambda: cluster_client(PROFILE, store.folder, 5.0, notes.append), solve="fakes:steady")
     assert time.monotonic() - begin > 1.5
     said = str(failed.value)
     assert "Invalid account or account/partition combination specified" in said
@@ -152,7 +153,7 @@ def test_refusals_without_end_end_the_run(
 
 @pytest.mark.parametrize("hope", ["a job waits", "the controller is away"])
 def test_a_run_goes_on_while_there_is_hope(
-    worker_pool: WorkerPool, slurm: Slurm, hope: str, monkeypatch: pytest.MonkeyPatch
+    worker_pool: WorkerPool, slurm: Commands, hope: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(pool, "GIVE_UP_S", 1.0)
     if hope == "a job waits":

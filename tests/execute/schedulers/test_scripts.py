@@ -13,6 +13,7 @@ import pytest
 
 from gaitflow.config.cluster import Profile, load_profile
 from gaitflow.execute.schedulers.scripts import RESTARTS, doctor_script, driver_script, worker_script
+from gaitflow.execute.schedulers.slurm import Slurm
 
 PROFILES = Path(__file__).parents[3] / "slurm" / "profiles"
 EXPECTED = Path(__file__).parents[2] / "data" / "sbatch"
@@ -24,15 +25,17 @@ LEAST = {"name": "a", "walltime": "01:00:00", "jobs": 1}
 
 
 def worker(profile: Profile, run: Path = RUN) -> str:
-    return worker_script(profile, run, "4f1c2a-7", "tls://10.0.0.5:40001", 600.0, PYTHON)
+    return worker_script(Slurm(), profile, run, "4f1c2a-7", "tls://10.0.0.5:40001", 600.0, PYTHON)
 
 
 def driver(profile: Profile, run: Path = RUN, root: Path = ROOT) -> str:
-    return driver_script(profile, run, root, "quickstart", run / "cluster" / "profile.yaml", PYTHON)
+    return driver_script(
+        Slurm(), profile, run, root, "quickstart", run / "cluster/profile.yaml", run / "cluster/driver.sh", PYTHON
+    )
 
 
 def doctor(profile: Profile, run: Path = RUN) -> str:
-    return doctor_script(profile, run.parent / ".doctor-1", PYTHON)
+    return doctor_script(Slurm(), profile, run.parent / ".doctor-1", PYTHON)
 
 
 JOBS: dict[str, Callable[[Profile], str]] = {"worker": worker, "driver": driver, "doctor": doctor}
@@ -86,7 +89,8 @@ class Bench:
         scontrol.write_text(f'#!/bin/bash\necho "scontrol $*" >> {self.calls}\n')
         for program in (python, scontrol):
             program.chmod(0o755)
-        text = driver_script(Profile.from_data(LEAST, "a"), folder / "run", folder, "s", folder / "p.yaml", str(python))
+        profile, kept = Profile.from_data(LEAST, "a"), (folder / "p.yaml", folder / "driver.sh")
+        text = driver_script(Slurm(), profile, folder / "run", folder, "s", *kept, str(python))
         self._script = folder / "driver.sh"
         self._script.write_text(text)
         self._environment = os.environ | {"PATH": f"{folder}:{os.environ['PATH']}", "SLURM_JOB_ID": "42"}
