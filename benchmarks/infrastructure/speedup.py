@@ -56,7 +56,7 @@ def run(
         rows = [
             _row(units, UnitStore(Path(folder) / f"run-{i}"), each, profile, solve) for i, each in enumerate(WORKERS)
         ]
-    name = "speedup" if profile is None else "speedup-slurm"
+    name = "speedup" if profile is None else f"speedup-{profile.scheduler}"
     return document(name, scenario.name, rows, summarise(rows), NOTES)
 
 

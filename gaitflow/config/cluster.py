@@ -1,6 +1,6 @@
 """How a cluster is to be used, as data: `slurm/profiles/NAME.yaml`. The scenario is the same as on a laptop.
 
-What ends in the text of an sbatch script is either validated here to be one plain word, or it is the user's own shell
+What ends in the text of a job's script is either validated here to be one plain word, or it is the user's own shell
 (`setup`), which goes in as it is, a line each.
 """
 
@@ -9,51 +9,24 @@ from __future__ import annotations
 import re
 from pathlib import Path
 from reprlib import repr as short
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 
+from gaitflow.config.directives import LINE_BREAKS, Directive, foreign_directive
 from gaitflow.config.file import Config, read_yaml
 
 MAX_JOBS = 10_000
 MAX_MARGIN = 0.5  # of the walltime
 _WALLTIME = re.compile(r"(?:(\d{1,3})-)?(\d{1,3}):([0-5]\d):([0-5]\d)")
 MIN_DRIVER_S = 300  # it is told to stop a minute before its end, and Slurm may say so a minute early
-_LINE_BREAKS = re.compile(r"[\x00-\x08\x0a-\x1f\x7f\x85\u2028\u2029]")
-_OPTION = re.compile(r"--([a-z][a-z-]*)(=.*)?", re.DOTALL)
-
-# Options that the scripts set themselves, or that would break what they rely on, with what to use instead.
-OURS = {
-    "account": "use the field account",
-    "array": "use the field jobs",
-    "chdir": "the script goes to its folder itself",
-    "comment": "it marks the jobs of a run",
-    "cpus-per-task": "use the field cores",
-    "dependency": "a run needs no other job",
-    "error": "logs go to the run's folder",
-    "hold": "a job on hold never starts",
-    "input": "jobs read nothing",
-    "job-name": "it names the scenario",
-    "mem": "use the field memory",
-    "mem-per-cpu": "use the field memory",
-    "mem-per-gpu": "use the field memory",
-    "no-requeue": "workers are replaced, the driver is requeued",
-    "nodes": "a worker is one process",
-    "ntasks": "a worker is one process",
-    "ntasks-per-node": "a worker is one process",
-    "open-mode": "logs are appended to",
-    "output": "logs go to the run's folder",
-    "parsable": "the answer of sbatch is read",
-    "partition": "use the field partition",
-    "quiet": "the answer of sbatch is read",
-    "requeue": "workers are replaced, the driver is requeued",
-    "signal": "it announces the end of the driver's walltime",
-    "test-only": "use --dry-run",
-    "time": "use the field walltime",
-    "time-min": "use the field walltime",
-    "wait": "sbatch has to return at once",
-    "wrap": "the job is the worker",
-}
 
 
 def _walltime(text: str) -> str:
@@ -84,21 +57,8 @@ def _quoted(value: Any) -> Any:
     return value
 
 
-def _directive(text: str) -> str:
-    match = _OPTION.fullmatch(text)
-    if match is None:
-        raise ValueError(f'{short(text)}: must be one option in full, such as "--qos=long" or "--exclusive"')
-    if _LINE_BREAKS.search(text) or "#" in text:
-        raise ValueError(f"{short(text)}: must be one line without #")
-    # sbatch takes any beginning of an option that leaves no doubt, so --ti would be --time.
-    taken = next((option for option in OURS if option.startswith(match[1])), None)
-    if taken is not None:
-        raise ValueError(f"{short(text)}: --{taken} is set by gaitflow: {OURS[taken]}")
-    return text
-
-
 def _one_line(text: str) -> str:
-    if not text.strip() or _LINE_BREAKS.search(text):
+    if not text.strip() or LINE_BREAKS.search(text):
         raise ValueError(f"{short(text)}: must be one line of shell; give several lines as several items")
     return text
 
@@ -112,7 +72,6 @@ def _driver_walltime(text: str) -> str:
 Walltime = Annotated[str, BeforeValidator(_quoted), AfterValidator(_walltime)]
 Memory = Annotated[str, AfterValidator(_memory)]
 Word = Annotated[str, Field(pattern=r"^[A-Za-z0-9_][A-Za-z0-9_.,@+-]*$", max_length=200)]
-Directive = Annotated[str, AfterValidator(_directive)]
 # A folder of the node: absolute, or below a variable that the node sets, such as $TMPDIR or /scratch/$USER.
 NodeFolder = Annotated[
     str, Field(pattern=r"^(/|\$)([A-Za-z0-9_./+-]|\$[A-Za-z_][A-Za-z0-9_]*|\$\{[A-Za-z_][A-Za-z0-9_]*\})*$")
@@ -134,13 +93,14 @@ class Driver(Config):
 
 
 class Profile(Config):
-    """One cluster and how much of it to use. Memory is for a job, in Slurm's units (1GB = 2^30 bytes).
+    """One cluster and how much of it to use. Memory is for a job (1GB = 2^30 bytes).
 
     `jobs` workers of one process and one thread each are kept in the queue; `cores` only reserves, for sites that
     hand out nothing smaller. `margin_s` is kept free at the end of a walltime, beside the longest unit.
     """
 
     name: Annotated[str, Field(pattern=r"^[a-z0-9]+(-[a-z0-9]+)*$", max_length=80)]
+    scheduler: Literal["slurm", "pbs"] = "slurm"
     partition: Word | None = None
     account: Word | None = None
     walltime: Walltime
@@ -168,6 +128,21 @@ class Profile(Config):
                 f"= {self.walltime_s} s; make the walltime longer or the margin smaller"
             )
         return self
+
+    @model_validator(mode="after")
+    def _directives_are_the_scheduler_s(self) -> Self:
+        fault = foreign_directive(self.scheduler, self.directives)
+        if fault is None and (fault := foreign_directive(self.scheduler, self.driver.directives or ())):
+            fault = f"driver.{fault}"
+        if fault is not None:
+            raise ValueError(fault)
+        return self
+
+    @model_serializer(mode="wrap")
+    def _without_unused(self, data: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Profiles for Slurm are the same data as before there was another scheduler."""
+        found: dict[str, Any] = data(self)
+        return {key: value for key, value in found.items() if (key, value) != ("scheduler", "slurm")}
 
 
 def load_profile(path: Path) -> Profile:

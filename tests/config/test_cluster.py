@@ -7,7 +7,8 @@ from typing import Any
 import jsonschema
 import pytest
 
-from gaitflow.config.cluster import OURS, Profile, lifetime, load_profile, walltime_seconds
+from gaitflow.config.cluster import Profile, lifetime, load_profile, walltime_seconds
+from gaitflow.config.directives import OF_PBS, OF_SLURM
 from gaitflow.config.file import ConfigError
 from gaitflow.config.schemas import file_schemas
 
@@ -28,7 +29,7 @@ def test_shipped_profiles_are_sound_and_fit_the_schema(file: Path) -> None:
 
 
 def test_there_are_a_centre_a_preemptible_one_and_that_of_the_tests() -> None:
-    assert [file.stem for file in PROFILES] == ["centre-48h", "preemptible", "test-cluster"]
+    assert [file.stem for file in PROFILES] == ["centre-48h", "pbs-centre-48h", "preemptible", "test-cluster"]
     assert load_profile(PROFILES[0]).walltime_s == 48 * 3600
 
 
@@ -92,9 +93,35 @@ def test_a_walltime_without_quotes_is_understood_or_explained(tmp_path: Path) ->
 
 
 def test_every_option_of_the_scripts_is_refused_as_a_directive() -> None:
-    for option in OURS:
+    for option in OF_SLURM:
         with pytest.raises(ConfigError, match=f"--{option} is set by gaitflow"):
             profile(directives=[f"--{option}=1"])
+
+
+def test_the_same_holds_for_pbs() -> None:
+    for option in OF_PBS:
+        with pytest.raises(ConfigError, match=f"{option} is set by gaitflow"):
+            profile(scheduler="pbs", directives=[f"{option}=1" if " " in option else f"{option} 1"])
+    for two in ("-m abe -v A=1", "-m -N", "-Nother"):
+        with pytest.raises(ConfigError, match="must be one option"):
+            profile(scheduler="pbs", directives=[two])
+    with pytest.raises(ConfigError, match="-l walltime is set by gaitflow: use the field walltime"):
+        profile(scheduler="pbs", directives=["-l place=excl,walltime=1"])
+
+
+@pytest.mark.parametrize("text", ["-l place=excl", "-m abe", "-W group_list=robots", "-P project", "-V"])
+def test_other_options_of_qsub_are_let_through_for_pbs_alone(text: str) -> None:
+    assert profile(scheduler="pbs", directives=[text]).directives == (text,)
+    with pytest.raises(ConfigError, match=r"^a.yaml: directives.0: '-.*: must be one option in full"):
+        profile(directives=[text])
+    with pytest.raises(ConfigError, match=r"^a.yaml: driver.directives.0: '--qos=long': must be one option of qsub"):
+        profile(scheduler="pbs", driver={"directives": ["--qos=long"]})
+
+
+def test_a_profile_for_slurm_is_the_data_that_it_was() -> None:
+    assert "scheduler" not in profile(scheduler="slurm").as_data()
+    assert profile(scheduler="pbs").as_data()["scheduler"] == "pbs"
+    assert Profile.from_data(profile(scheduler="pbs").as_data(), "a.yaml") == profile(scheduler="pbs")
 
 
 @pytest.mark.parametrize("text", ["--exclusive", "--qos=long", "--constraint=a&b", "--gres=lscratch:10", "--nice"])

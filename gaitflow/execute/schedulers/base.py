@@ -56,8 +56,9 @@ class Partition:
 
 @dataclass(frozen=True)
 class Request:
-    """What a job asks for. `{id}` in the name of `log` stands for the job's id; `messages`: see `Pbs`.
+    """What a job asks for. `{id}` in the name of `log` stands for the job's id.
 
+    `messages` is the folder for what a scheduler says of a job that does not say it in the log, None for nowhere.
     `walltime` and `memory` are as in a profile, `requeued` whether the job goes back into the queue when its node is
     lost, `directives` the user's own.
     """

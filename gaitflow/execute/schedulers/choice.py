@@ -6,15 +6,16 @@ from pathlib import Path
 
 from gaitflow.config.cluster import Profile
 from gaitflow.execute.schedulers.base import Scheduler
+from gaitflow.execute.schedulers.pbs import Pbs
 from gaitflow.execute.schedulers.slurm import Slurm
 from gaitflow.files import atomic_write
 
-_SCHEDULERS: tuple[Scheduler, ...] = (Slurm(),)
+_SCHEDULERS: tuple[Scheduler, ...] = (Slurm(), Pbs())
 
 
 def scheduler_of(profile: Profile) -> Scheduler:
     """The scheduler that this profile is for."""
-    return _SCHEDULERS[0]
+    return next(one for one in _SCHEDULERS if one.name == profile.scheduler)
 
 
 def record_scheduler(run_folder: Path, scheduler: Scheduler) -> None:
