@@ -90,7 +90,7 @@ def _row(gait_map: GaitMap, place: Mapping[str, Any], answer: Mapping[str, Any],
         "refined": answer["refined"],
         "same_pattern": answer["pattern"] == plan.pattern,
         "cost_error": abs(answer["cost"] / plan.cost - 1),
-        "apart": _apart(_vector(gait_map, plan), np.array(answer["primal"])),
+        "apart": _apart(_vector(gait_map, plan), _moving(gait_map, np.array(answer["primal"]))),
         "ms": cpu * 1e3,
         "cpp_ms": answer["cpu_us"] / 1e3,
     }
@@ -103,7 +103,12 @@ def _row(gait_map: GaitMap, place: Mapping[str, Any], answer: Mapping[str, Any],
 
 
 def _vector(gait_map: GaitMap, plan: Plan) -> Array:
-    return gait_map.manifest.layout.pack(plan, plan.task["cycle_duration"])
+    return _moving(gait_map, gait_map.manifest.layout.pack(plan, plan.task["cycle_duration"]))
+
+
+def _moving(gait_map: GaitMap, vector: Array) -> Array:
+    """The motion in a decision vector: without the contacts behind it, which the pattern fixes."""
+    return vector[: gait_map.manifest.layout.fractions.stop]
 
 
 def _apart(one: Array, other: Array) -> float:

@@ -16,7 +16,8 @@ OPERATORS = _ELEMENTWISE | {
     "Cast", "Concat", "Gather", "Gemm", "Identity", "Log", "ReduceMean", "ReduceSum", "Relu", "SVMClassifier", "Scaler",
     "Slice", "Softmax", "TopK", "TreeEnsembleClassifier", "Unsqueeze",
 }  # fmt: skip
-ONCE = ("Concat", "Gather", "Sub", "TopK", "Unsqueeze")  # those that make arrays grow
+# Of those that make arrays grow; support vectors of two gaits join arrays twice.
+MOST = {"Concat": 2, "Gather": 1, "Sub": 1, "TopK": 1, "Unsqueeze": 1}
 MAX_NODES = 10_000
 MAX_WIDTH = 4096  # of a constant in every dimension but a matrix' first one
 
@@ -69,8 +70,10 @@ def _nodes_fault(nodes: list[list[tuple[int, int | bytes]]], shapes: Mapping[str
         constants = [shapes.get(_text(part), ()) for part in _parts(node, _NODE_INPUT)]
         if operators[0] in _ELEMENTWISE - {"Sub"} and any(prod(shape[:-1]) > 1 for shape in constants):
             return f"{operators[0]} spreads a matrix"
-    grows = next((operator for operator in ONCE if counts[operator] > 1), None)
-    return None if grows is None else f"{grows} is there {counts[grows]} times; once is what a classifier needs"
+    for operator, most in MOST.items():
+        if counts[operator] > most:
+            return f"{operator} is there {counts[operator]} times; a classifier needs {most}"
+    return None
 
 
 def _constant(part: bytes) -> tuple[str, tuple[int, ...]]:

@@ -140,7 +140,7 @@ def test_a_graph_cannot_read_other_files(tmp_path, monkeypatch: pytest.MonkeyPat
                 ),
                 helper.make_node("Softmax", ["s40"], ["probability"], axis=1),
             ),
-            "Concat is there 40 times; once is what a classifier needs",
+            "Concat is there 40 times; a classifier needs 2",
         ),
         (
             graph(
