@@ -44,7 +44,7 @@ _LIMITS: dict[str, Callable[[Any, Any], bool]] = {
 def fault_of(data: Any, schema: Schema) -> str | None:
     """What of the data a schema does not allow, such as "mass = -1: does not fit minimum 0"; None where it allows all.
 
-    Raises NotImplementedError for a schema with a word that is not read here.
+    Raises ValueError for a schema with a word that is not read here.
     """
     return _fault(data, schema, "", schema.get("$defs", {}))
 
@@ -65,7 +65,7 @@ def _fault(data: Any, schema: Schema, name: str, known: Schema) -> str | None:
             if missing := [field for field in value if field not in data]:
                 return f"{_inner(name, missing[0])}: is missing"
         elif word not in _SILENT and word not in _PARTS:
-            raise NotImplementedError(f"{word} in a JSON Schema")
+            raise ValueError(f"{word}: a word of JSON Schema that this module does not read")
     if schema.get("additionalProperties") is False and (odd := [each for each in data if each not in _named(schema)]):
         return f"{_inner(name, odd[0][:80])}: is an unknown field"
     inside = [part for word, parts in _PARTS.items() if word in schema for part in parts(data, schema, name)]
