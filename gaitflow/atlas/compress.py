@@ -48,6 +48,31 @@ def build_atlas(growth: Growth, gaits: Sequence[int], largest: int | None = None
     return Atlas(tuple(growth.domain.axes), growth.steps, BARRIER, built)
 
 
+def cost_atlas(growth: Growth, gaits: Sequence[int]) -> Atlas:
+    """An atlas of the growth's nodes that predicts costs and no points: without modes it is made at once."""
+    sheets = []
+    for number, nodes in enumerate(growth.nodes):
+        ordered = [nodes[place] for place in sorted(nodes)]
+        if ordered:
+            places, size = np.array([node.place for node in ordered]), len(ordered[0].point)
+            sheets.append(
+                Sheet(
+                    gait=gaits[number],
+                    pattern=growth.solver.patterns[number].text,
+                    space=growth.solver.methods[number].space,
+                    tasks=places,
+                    costs=np.array([node.cost for node in ordered]),
+                    slopes=np.array([node.slopes for node in ordered]),
+                    mean=np.zeros(size, dtype=np.float32),
+                    modes=np.zeros((0, size), dtype=np.float32),
+                    coordinates=np.zeros((len(ordered), 0), dtype=np.float32),
+                    tangents=np.zeros((*places.shape, 0), dtype=np.float32),
+                    tear=0.0,
+                )
+            )
+    return Atlas(tuple(growth.domain.axes), growth.steps, BARRIER, tuple(sheets))
+
+
 @dataclass(frozen=True)
 class _Analysed:
     """A pattern's nodes in weighted numbers: points [n, ny], tangents [n, a, ny], and all their modes [m, ny].

@@ -12,7 +12,7 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from gaitflow.atlas.grow import Growth
+from gaitflow.atlas.grow import DECIMALS, Growth
 from gaitflow.atlas.node import Place
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas
@@ -28,7 +28,6 @@ WRONG = 0.02  # relative error of a predicted cost that is not good
 LEAST_ERROR = 1e-6  # of what took too many iterations
 RIVAL = 1.1  # times the least predicted cost: what may cost less might be the cheapest
 RIVALS = 4
-DECIMALS = 9
 
 
 @dataclass(frozen=True)

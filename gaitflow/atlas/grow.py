@@ -1,14 +1,17 @@
 """Growing a map's atlas from the dataset: nodes of every competitive gait at the tasks of the grid.
 
-Seeds are the dataset's own solutions. From each node its gait spreads to the neighbouring tasks of the grid, as long as
-it is nearly the cheapest there: to where it was not solved or not kept, and to where a neighbour's motion is cheaper.
+Seeds are the dataset's own solutions, on the grid or off it. From each node its gait spreads to the neighbouring tasks
+of the grid, as long as it is nearly the cheapest there: to where it was not solved or not kept, and to where a
+neighbour's motion is cheaper. A node off the grid spreads to the corners of its cell.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 
 import numpy as np
 
@@ -23,6 +26,7 @@ from gaitflow.search.solution import Solution
 COMPETITIVE = 1.15  # a gait is seeded at, and spreads from, tasks where it costs at most this times the cheapest
 CHEAPER = 1e-4  # relative: a motion that saves less is the same one
 PROMISING = 0.02  # relative: what a neighbour's motion must promise to save before it is tried
+DECIMALS = 9  # of the places of nodes
 APART = 0.5  # in the problem's scaled variables: how far it must be from the motion that is there
 
 
@@ -44,6 +48,13 @@ class Growth:
         self._starts = [{} for _ in self.solver.patterns]
 
     @property
+    def reached(self) -> Domain:
+        """The tasks between those of the grid at which some gait has a node."""
+        shape = self.domain.feasible.shape
+        places = [any(place in nodes for nodes in self.nodes) for place in product(*self.grid)]
+        return Domain(self.domain.axes, np.array(places).reshape(shape))
+
+    @property
     def grid(self) -> tuple[tuple[float, ...], ...]:
         """The values of each axis with a range."""
         return tuple(self.domain.axes.values())
@@ -56,6 +67,12 @@ class Growth:
     def inside(self, place: Place) -> bool:
         """Whether there may be nodes at a place."""
         return self.domain.contains(dict(zip(self.domain.axes, place, strict=True)))
+
+    def extend(self, patterns: Sequence[Pattern]) -> None:
+        """Take in more full patterns, numbered after those that there are."""
+        self.solver.extend(patterns)
+        self.nodes += [{} for _ in patterns]
+        self._starts += [{} for _ in patterns]
 
     def keep(self, sheet: int, node: Node | None) -> bool:
         """Take a node in unless a cheaper one is there; True when it was."""
@@ -71,13 +88,13 @@ class Growth:
         return True
 
     def sow(self, solutions: Iterable[Solution]) -> None:
-        """Nodes from the solved tasks of the grid, where a pattern is competitive."""
+        """Nodes from the solved tasks that are not held out, where a pattern is competitive."""
         index = {pattern.text: sheet for sheet, pattern in enumerate(self.solver.patterns)}
         problem, axes = self.problem, tuple(self.domain.axes)
         costs: dict[tuple[int, Place], float] = {}
         for one in solutions:
             place = one.task.on(axes)
-            if one.task.split != "grid" or one.status != "solved" or not one.cost > 0 or not self.inside(place):
+            if one.task.split == "held_out" or one.status != "solved" or not one.cost > 0 or not self.inside(place):
                 continue
             cost = one.cost / problem.cost_scale
             self.best[place] = min(cost, self.best.get(place, np.inf))
@@ -92,6 +109,10 @@ class Growth:
         for (sheet, place), cost in sorted(costs.items(), key=lambda item: (item[1], item[0])):
             if cost <= COMPETITIVE * self.best[place]:
                 self.keep(sheet, self.solver.node(sheet, place, self._starts[sheet][place]))
+
+    def start_at(self, sheet: int, place: Place) -> Prediction | None:
+        """The dataset's own solution of a sheet at a place; None without one."""
+        return self._starts[sheet].get(place)
 
     def spread(self) -> None:
         """Solve neighbours, all patterns one step at a time, until nothing new is competitive."""
@@ -123,14 +144,21 @@ class Growth:
         return bool(predicted.cost < known.cost * (1 - PROMISING) and apart > APART)
 
     def _neighbours(self, place: Place) -> list[Place]:
-        """The places one step of the grid away that are inside; none for a place off the grid."""
+        """The places one step of the grid away that are inside; of a place off the grid the corners of its cell."""
+        if any(value not in values for value, values in zip(place, self.grid, strict=True)):
+            corners = product(*(around(values, value) for value, values in zip(place, self.grid, strict=True)))
+            return [corner for corner in corners if self.inside(corner)]
         found = []
         for axis, values in enumerate(self.grid):
-            if place[axis] not in values:
-                return []
             at = values.index(place[axis])
             found += [(*place[:axis], values[i], *place[axis + 1 :]) for i in (at + 1, at - 1) if 0 <= i < len(values)]
         return [near for near in found if self.inside(near)]
+
+
+def around(values: Sequence[float], value: float) -> tuple[float, ...]:
+    """The values of an axis next to one within its range: that value itself where the axis has it, else two."""
+    at = bisect_left(values, value)
+    return (value,) if value == values[at] else (values[at - 1], values[at])
 
 
 def grow(

@@ -50,17 +50,23 @@ class NodeSolver:
     """Solves nodes of full patterns, called by their numbers, at places on the scenario's axes with a range."""
 
     def __init__(self, problem: GaitProblem, patterns: Sequence[Pattern]) -> None:
-        self.patterns = tuple(patterns)
+        self.patterns: tuple[Pattern, ...] = ()
+        self.methods: tuple[InteriorPoint, ...] = ()
         self.solves = 0
         self._problem = problem
         self._scenario = problem.scenario.as_data()
         self._space = problem.scenario.tasks.space
         self._columns = [AXIS_NAMES.index(axis) for axis in self._space.ranged]
         self._slopes = _lagrangian_slopes(problem.nlp, self._columns)
-        program = Program(problem.separable)
-        bounds = [problem.bounds(pattern) for pattern in patterns]
-        self.methods = tuple(
-            InteriorPoint(program, GaitSpace(each.lower, each.upper, each.lower_rows, each.upper_rows))
+        self._program = Program(problem.separable)
+        self.extend(patterns)
+
+    def extend(self, patterns: Sequence[Pattern]) -> None:
+        """Take in more patterns, numbered after those that there are."""
+        bounds = [self._problem.bounds(pattern) for pattern in patterns]
+        self.patterns += tuple(patterns)
+        self.methods += tuple(
+            InteriorPoint(self._program, GaitSpace(each.lower, each.upper, each.lower_rows, each.upper_rows))
             for each in bounds
         )
 
@@ -92,6 +98,11 @@ class NodeSolver:
         self.solves += 1
         method = self.methods[sheet]
         return method.follow(self.parameters(place), method.space.decode(start.point), start.cost, BARRIER, limit)
+
+    def cost_at(self, sheet: int, place: Place, start: Prediction, limit: int) -> float | None:
+        """The problem's cost of the motion that a start leads to; None where it leads to none that passes the check."""
+        found = self.refined(sheet, place, start, limit)
+        return found.cost if self._is_solution(sheet, place, found) else None
 
     def from_solution(self, sheet: int, w: Array, bounds: Array, rows: Array, cost: float) -> Prediction:
         """A start from a solved w [nw], its multipliers (bounds [nw], rows [ng]; CasADi's signs) and its cost."""

@@ -5,12 +5,12 @@ Several full patterns realise a gait (AABC, ABBC, ABCC), and which of them costs
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 import pandas as pd
 
 from gaitflow.config.scenario import Scenario
-from gaitflow.config.tasks import tasks_of
+from gaitflow.config.tasks import grid_of
 from gaitflow.core.gaits import Pattern, Symmetry, gait_of
 from gaitflow.dataset.labels import MAX_VIOLATION
 from gaitflow.tables.schema import task_columns
@@ -23,7 +23,7 @@ def map_symmetry(scenario: Scenario) -> Symmetry:
 
     On level ground a gait run backwards may be the same one; in a map of many slopes it is not.
     """
-    each = {scenario.symmetry(task) for task in tasks_of(scenario) if task.split == "grid"}
+    each = {scenario.symmetry(task) for task in grid_of(scenario)}
     mirrors, reversals = {one.mirror for one in each}, {one.reversal for one in each}
     return Symmetry(
         mirrors.pop() if len(mirrors) == 1 else None,
@@ -32,23 +32,29 @@ def map_symmetry(scenario: Scenario) -> Symmetry:
 
 
 def full_patterns(
-    solutions: pd.DataFrame, costs: pd.DataFrame, gaits: Iterable[str], tolerance: float, symmetry: Symmetry
+    solutions: pd.DataFrame,
+    costs: pd.DataFrame,
+    gaits: Iterable[str],
+    tolerance: float,
+    symmetry: Symmetry,
+    taken: Collection[str] = (),
 ) -> dict[str, str]:
     """Full patterns and the gaits that they realise, of the `gaits` only, sorted by gait.
 
     `solutions` are the scalars of the dataset, `costs` the frame of `gaitflow.dataset.labels.gait_costs`. At every task
-    of the grid where a gait matters one of its patterns is at most `tolerance` (relative) dearer than its best one.
-    `symmetry` is the map's: a pattern that is another gait at other tasks of the map is left out.
+    that is not held out where a gait matters one of its patterns is at most `tolerance` (relative) dearer than its best
+    one. Patterns of `taken`, which an atlas has already, come first. `symmetry` is the map's: a pattern that is another
+    gait at other tasks of the map is left out.
     """
     task = task_columns(costs.columns)
     kept = (solutions["status"] == "solved") & (solutions["violation"] <= MAX_VIOLATION)
-    rows = solutions[kept & (solutions["split"] == "grid")]
+    rows = solutions[kept & (solutions["split"] != "held_out")]
     least = rows.groupby([*task, "gait", "pattern"], sort=False)["cost"].min().reset_index()
     best = least.groupby([*task, "gait"])["cost"].transform("min")
     good = least[least["cost"] <= best * (1 + tolerance)]
     keys = {pattern: gait_of(Pattern.from_text(pattern), symmetry).text for pattern in good["pattern"].unique()}
     good = good[good["pattern"].map(keys) == good["gait"]]
-    matters = costs[(costs["split"] == "grid") & (costs["excess"] <= NEARLY_BEST)]
+    matters = costs[(costs["split"] != "held_out") & (costs["excess"] <= NEARLY_BEST)]
     chosen: dict[str, str] = {}
     for name in sorted(set(gaits)):
         wanted = matters[matters["gait"] == name]
@@ -57,14 +63,18 @@ def full_patterns(
         by_pattern: dict[str, set[tuple[float | str, ...]]] = {}
         for pattern, place in zip(covering["pattern"], places, strict=True):
             by_pattern.setdefault(pattern, set()).add(place)
-        for pattern in _cover(by_pattern):
+        for pattern in _cover(by_pattern, taken):
             chosen[pattern] = name
     return chosen
 
 
-def _cover(sets: dict[str, set[tuple[float | str, ...]]]) -> list[str]:
-    """Names of few sets that have everything in any of them, by taking what adds most; the first name of equal ones."""
-    missing, taken = set[tuple[float | str, ...]]().union(*sets.values()), list[str]()
+def _cover(sets: dict[str, set[tuple[float | str, ...]]], first: Collection[str]) -> list[str]:
+    """Names of few sets that have everything in any of them: all of `first`, then by taking what adds most.
+
+    The first name of equal ones.
+    """
+    taken = [name for name in sorted(sets) if name in first]
+    missing = set[tuple[float | str, ...]]().union(*sets.values()).difference(*(sets[name] for name in taken))
     while missing:
         name = min(sets, key=lambda each: (-len(sets[each] & missing), each))
         taken.append(name)

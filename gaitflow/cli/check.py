@@ -25,11 +25,14 @@ def status(workspace: Workspace, scenario: str, as_json: bool) -> None:
     Example: gaitflow status quickstart --json
     """
     from gaitflow.execute.status import run_status
+    from gaitflow.pipeline.sampling import chosen_tasks
     from gaitflow.store.parts import UnitStore
 
     with bad_input():
         resolved = workspace.scenario(scenario)
-        state = run_status(resolved, UnitStore(workspace.run(resolved).folder))
+        run = workspace.run(resolved)
+        chosen = chosen_tasks(run, resolved) if resolved.tasks.adaptive else None
+        state = run_status(resolved, UnitStore(run.folder), chosen)
     if as_json:
         return print_json(state.as_data())
     left = "unknown" if state.cpu_hours_left is None else f"{state.cpu_hours_left:.3f}"

@@ -12,6 +12,7 @@ from gaitflow.cli.options import json_option, profile_option, scenario_argument,
 from gaitflow.config.file import ConfigError
 from gaitflow.core.task import AXES
 from gaitflow.pipeline import stages
+from gaitflow.pipeline.json_file import read_json
 from gaitflow.pipeline.snakemake import run_workflow
 from gaitflow.pipeline.workspace import Workspace
 from gaitflow.runtime.remote import local_folder
@@ -46,7 +47,7 @@ def run(workspace: Workspace, scenario: str, workers: int, profile_file: Path | 
     from gaitflow.runtime import GaitMap
 
     folder = workspace.run(resolved)
-    published = stages.read_json(folder.published)
+    published = read_json(folder.published)
     gait_map = GaitMap.load(published["model"])
     task: dict[str, Any] = gait_map.manifest.domain.middle
     choice = gait_map.select(**task)

@@ -6,12 +6,21 @@ import math
 from collections.abc import Mapping
 from difflib import get_close_matches
 from reprlib import repr as short
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Discriminator, Field, Tag, field_validator, model_validator
+from pydantic import (
+    Discriminator,
+    Field,
+    SerializerFunctionWrapHandler,
+    Tag,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
 
 from gaitflow.config.file import FORMS, Config, FrozenDict
+from gaitflow.config.sampling import Sampling
 from gaitflow.core.task import AXES, span
 from gaitflow.core.task_space import TaskSpace
 
@@ -48,15 +57,28 @@ def _form(given: Any) -> str:
 AxisValues = Annotated[Annotated[Range, Tag(FORMS[0])] | Annotated[float, Tag(FORMS[1])], Discriminator(_form)]
 
 
+def _choice(given: Any) -> str:
+    """Whether a sampling is given by its settings or by its name."""
+    return FORMS[0] if isinstance(given, (Mapping, Sampling)) else FORMS[1]
+
+
+Choice = Annotated[
+    Annotated[Sampling, Tag(FORMS[0])] | Annotated[Literal["grid", "adaptive"], Tag(FORMS[1])], Discriminator(_choice)
+]
+
+
 class Tasks(Config):
     """A range or a fixed value for the axes of a task (`gaitflow.core.task.AXES`), and held-out tasks between.
 
     The grid is the product of the ranges. An axis that is not named has its default; cycle_duration has none.
+    All tasks of the grid are searched, or with a `sampling` those that it chooses anywhere between: then the grid is
+    where gaits are spread to, and what the domain is told by.
     """
 
     axes: Annotated[dict[str, AxisValues], Field(json_schema_extra={"propertyNames": {"enum": list(AXES)}})]
     held_out: Annotated[int, Field(ge=0, le=100_000)] = 0
     held_out_seed: int = 0
+    sampling: Choice = "grid"  # adaptive: as a `Sampling` of which nothing is said
 
     @field_validator("axes")
     @classmethod
@@ -78,6 +100,28 @@ class Tasks(Config):
         if size > MAX_GRID:
             raise ValueError(f"the grid of all ranges has {size} tasks: at most {MAX_GRID} are allowed")
         return FrozenDict({name: axes[name] for name in AXES if name in axes})
+
+    @model_validator(mode="after")
+    def _no_held_out_tasks_of_a_sampling(self) -> Tasks:
+        if self.adaptive is not None and self.held_out:
+            raise ValueError(
+                f"held_out = {self.held_out}: with an adaptive sampling the certificate's tasks are held out; leave it "
+                "out"
+            )
+        return self
+
+    @model_serializer(mode="wrap")
+    def _without_grid(self, data: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Tasks on a grid are the same data as before there was a choice."""
+        found: dict[str, Any] = data(self)
+        return {key: found[key] for key in found if key != "sampling" or self.sampling != "grid"}
+
+    @property
+    def adaptive(self) -> Sampling | None:
+        """How the tasks are chosen; None for all tasks of a grid."""
+        if isinstance(self.sampling, Sampling):
+            return self.sampling
+        return Sampling() if self.sampling == "adaptive" else None
 
     @property
     def ranges(self) -> dict[str, Range]:

@@ -191,6 +191,11 @@ class Scenario(Config):
                 f"swing_clearance = {self.swing_clearance:g}: the strategy 'bonmin' knows no middle of a swing; "
                 "allowed is 0"
             )
+        if self.tasks.adaptive is not None and self.strategy.name not in ("patterns", "guided"):
+            raise ValueError(
+                f"tasks.sampling: needs a search for the best gait, strategy.name = {self.strategy.name!r} is none; "
+                "choose patterns or guided, or a grid"
+            )
         if self.objective.force_rate and self.transcription.forces != "linear":
             raise ValueError(
                 f"objective.force_rate = {self.objective.force_rate:g}: held forces have no rate; it needs "

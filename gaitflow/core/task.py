@@ -15,8 +15,10 @@ import numpy as np
 
 from gaitflow.core.trajectory import Array
 
-Split = Literal["grid", "held_out"]
-SPLITS: tuple[Split, ...] = ("grid", "held_out")
+# What a task is for. grid, sampled: a map is made from it, at a place of the grid or wherever it was chosen. held_out:
+# nothing is learnt from it.
+Split = Literal["grid", "sampled", "held_out"]
+SPLITS: tuple[Split, ...] = ("grid", "sampled", "held_out")
 
 
 @dataclass(frozen=True)
@@ -76,7 +78,7 @@ AXIS_NAMES = tuple(AXES)
 
 @dataclass(frozen=True, order=True)
 class Task:
-    """A value for every axis, in the order of AXES, and what the task is for: the training grid or held out.
+    """A value for every axis, in the order of AXES, and what the task is for.
 
     Build it with `Task.of`.
     """

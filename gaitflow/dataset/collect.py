@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ import pandas as pd
 import pyarrow as pa
 
 from gaitflow.config.scenario import Scenario
+from gaitflow.core.task import Task
 from gaitflow.dataset.read import FILE_NAME
 from gaitflow.files import new_file
 from gaitflow.store.parts import DamagedPart, UnitStore
@@ -31,14 +32,21 @@ class NotComplete(ValueError):
     """Units are missing or damaged, so that there is no dataset yet; the message says how many, and what to do."""
 
 
-def collect(store: UnitStore, scenario: Scenario) -> Path:
+def collect(
+    store: UnitStore,
+    scenario: Scenario,
+    chosen: Sequence[Task] | None = None,
+    held_out: Collection[Task] = (),
+) -> Path:
     """Merge every unit of `scenario` into one file, `<store>/solutions.parquet`, and return its path.
+
+    `chosen` are the tasks of an adaptive sampling, `held_out` those of them that nothing was learnt from.
 
     Rows are sorted by split, task (speed fastest), pattern, seed and start. Every part is checked; a bad one goes to
     quarantine.
     Raises NotComplete, WriteError.
     """
-    units = plan_units(scenario)
+    units = plan_units(scenario, None if chosen is None else sorted(chosen))
     stored = store.solved()
     missing = sum(unit.digest not in stored for unit in units)
     if missing:
@@ -52,7 +60,9 @@ def collect(store: UnitStore, scenario: Scenario) -> Path:
     try:
         schema = solution_schema(scenario.as_data())
         table, records, record_of = _scalars(store, units, scalar_columns(schema.names))
-        rows = table.to_pandas().sort_values(row_order(schema.names), kind="stable", ignore_index=True)
+        rows = _with_splits(table.to_pandas(), units, held_out).sort_values(
+            row_order(schema.names), kind="stable", ignore_index=True
+        )
         target = store.folder / FILE_NAME
         read = functools.lru_cache(maxsize=OPEN_PARTS)(lambda index: store.read(units[index]))
         with new_file(target, replace=True) as file:
@@ -61,6 +71,14 @@ def collect(store: UnitStore, scenario: Scenario) -> Path:
     except DamagedPart as error:
         raise NotComplete(f"{scenario.name}: a part changed while it was collected: {error}") from None
     return target
+
+
+def _with_splits(rows: pd.DataFrame, units: Sequence[Unit], held_out: Collection[Task]) -> pd.DataFrame:
+    """The rows with the split that their tasks have in the end: only that shows for what a task was searched."""
+    if not held_out:
+        return rows
+    apart = np.array([unit.tasks[0] in held_out for unit in units])[rows["unit"].to_numpy()]
+    return rows.assign(split=rows["split"].where(~apart, "held_out"))
 
 
 def _scalars(
@@ -96,7 +114,9 @@ def _tables(rows: pd.DataFrame, read: Callable[[int], pa.Table], schema: pa.Sche
         pieces, places = [], []
         for index, members in block.groupby("unit", sort=True):
             part = read(int(index))  # type: ignore[arg-type]
-            pieces.append(part.select(schema.names).cast(schema).take(pa.array(members["row"])))
+            piece = part.select(schema.names).cast(schema).take(pa.array(members["row"]))
+            split = pa.array(members["split"], pa.string())
+            pieces.append(piece.set_column(schema.get_field_index("split"), schema.field("split"), split))
             places.append(members.index.to_numpy() - start)
         order = np.argsort(np.concatenate(places))
         yield pa.concat_tables(pieces).take(pa.array(order)).combine_chunks()

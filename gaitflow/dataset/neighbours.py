@@ -8,8 +8,11 @@ from itertools import product
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 from gaitflow.tables.schema import task_columns
+
+NEAREST = 8
 
 Cell = tuple[int, ...]  # place of a task on the grid: the index of its value on each axis
 
@@ -18,11 +21,14 @@ def neighbourhood_labels(labels: pd.DataFrame) -> list[str]:
     """A label for each row of `labels`, out of its `ties` (or its own `label` where it has none).
 
     On the grid it is the one most common among the neighbours (up to 8 with two axes), iterated until nothing changes;
-    for a held-out task the one most common at the corners of the grid cell it lies in. Held-out tasks influence no
-    other label. `labels` has the task's columns, `label` and `ties`.
+    for a held-out task the one most common at the corners of the grid cell it lies in. Where tasks are scattered it is
+    the most common one of the NEAREST tasks, by distance over each axis' range. Held-out tasks influence no other
+    label. `labels` has the task's columns, `label` and `ties`.
     """
     *axes, _ = task_columns(labels.columns)
-    held_out = labels["split"].to_numpy() != "grid"
+    held_out = labels["split"].to_numpy() == "held_out"
+    if (labels["split"] == "sampled").any():
+        return _scattered(labels, axes, held_out)
     values = [np.unique(labels.loc[~held_out, axis]) for axis in axes]
     places = np.column_stack([np.searchsorted(line, labels[axis]) for line, axis in zip(values, axes, strict=True)])
     rows: list[Cell] = [tuple(map(int, place)) for place in places]
@@ -45,6 +51,21 @@ def neighbourhood_labels(labels: pd.DataFrame) -> list[str]:
     corners = [(0,) * len(axes), *_steps((0, -1), ranged)]
     for index in map(int, np.flatnonzero(held_out)):
         result[index] = _most_common(on_grid, _moved(rows[index], corners), ties[index], result[index])
+    return result
+
+
+def _scattered(labels: pd.DataFrame, axes: Sequence[str], held_out: NDArray[np.bool_]) -> list[str]:
+    own, ties = labels["label"].tolist(), labels["ties"].tolist()
+    places = labels[list(axes)].to_numpy(dtype=float)
+    made_from = np.flatnonzero(~held_out)
+    spans = np.ptp(places[made_from], axis=0)
+    places = places / np.where(spans > 0, spans, 1.0)
+    result = []
+    for index, (label, allowed) in enumerate(zip(own, ties, strict=True)):
+        distances = np.linalg.norm(places[made_from] - places[index], axis=1)
+        near = [own[other] for other in made_from[np.argsort(distances, kind="stable")] if other != index][:NEAREST]
+        votes = Counter(gait for gait in near if gait in allowed)
+        result.append(max([label, *allowed], key=lambda gait: votes[gait]) if votes else label)
     return result
 
 

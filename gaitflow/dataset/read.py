@@ -12,14 +12,15 @@ import pyarrow as pa
 
 from gaitflow.config.file import require_mapping
 from gaitflow.core.legacy import modern_scenario
-from gaitflow.core.task import Split
+from gaitflow.core.task import Split, Task
+from gaitflow.core.task_space import TaskSpace
 from gaitflow.core.trajectory import Array
 from gaitflow.dataset.legacy import modern_table
 from gaitflow.dataset.sound import schema_fault, table_fault
 from gaitflow.runtime.remote import local_folder
 from gaitflow.search.solution import Solution
 from gaitflow.tables.provenance import read_record
-from gaitflow.tables.schema import scalar_columns
+from gaitflow.tables.schema import scalar_columns, task_columns
 from gaitflow.tables.seal import check_seal
 from gaitflow.tables.solutions import table_to_solutions
 from gaitflow.tables.untrusted import file_in, opened, read_table
@@ -118,6 +119,13 @@ class Solutions(Sequence[StoredSolution]):
     def frame(self) -> pd.DataFrame:
         """The scalar columns as pandas: task, pattern, gait, status, cost, violation, effort; one row a solution."""
         return self.table.select(scalar_columns(self.table.column_names)).to_pandas()
+
+    def tasks(self) -> list[Task]:
+        """Every task that has a row, in their order."""
+        names = task_columns(self.table.column_names)
+        space = TaskSpace.of(self.record["scenario"])
+        rows = self.frame()[names].drop_duplicates().to_dict("records")
+        return [space.task({axis: row[axis] for axis in names[:-1]}, row["split"]) for row in rows]
 
     def _stored(self, start: int, count: int) -> Iterator[StoredSolution]:
         names = [field.name for field in fields(Solution)]

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from gaitflow.config.scenario import Scenario
+from gaitflow.core.task import Task
 from gaitflow.execute.drivers import driver_process
 from gaitflow.execute.schedulers.base import DRIVER, SchedulerError
 from gaitflow.execute.schedulers.choice import recorded_scheduler
@@ -66,9 +68,12 @@ class RunStatus:
         return asdict(self)
 
 
-def run_status(scenario: Scenario, store: UnitStore) -> RunStatus:
-    """The state of a scenario's run as its store tells it; nothing is written."""
-    planned = {unit.digest for unit in plan_units(scenario)}
+def run_status(scenario: Scenario, store: UnitStore, chosen: Sequence[Task] | None = None) -> RunStatus:
+    """The state of a scenario's run as its store tells it; nothing is written.
+
+    `chosen` are the tasks that an adaptive sampling has chosen so far.
+    """
+    planned = {unit.digest for unit in plan_units(scenario, chosen)}
     stored = store.solved() & planned
     failed = store.attempts.given_up() & stored
     left = len(planned) - len(stored)

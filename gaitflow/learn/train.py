@@ -109,7 +109,7 @@ def train(
     all have one gait (unless `constant`: then the map is that gait), or when no gait has two tasks.
     """
     solved = labels[labels["status"] == "solved"]
-    grid, held_out = solved[solved["split"] == "grid"], solved[solved["split"] == "held_out"]
+    grid, held_out = solved[solved["split"] != "held_out"], solved[solved["split"] == "held_out"]
     if grid.empty:
         raise CannotTrain(
             f"none of the {int((labels['split'] == 'grid').sum())} tasks of the grid has a feasible gait: there is no "

@@ -48,7 +48,7 @@ def region_means(
     trajectory or multipliers do not count, nor those of a pattern that is another gait elsewhere in the map, by the
     `symmetry` that all of its tasks have. Raises ValueError naming a gait that has none left.
     """
-    grid = labels[(labels["split"] == "grid") & (labels["status"] == "solved")]
+    grid = labels[(labels["split"] != "held_out") & (labels["status"] == "solved")]
     key_of = dict(zip(grid["gait"], grid["gait_key"], strict=True))
     *axes, _ = task_columns(labels.columns)
     places = grid[axes].itertuples(index=False, name=None)
@@ -57,7 +57,7 @@ def region_means(
     for solution in solutions:
         task = solution.task.on(axes)
         gait, key = region.get(task, ("", ""))
-        if solution.task.split != "grid" or solution.gait != key or not _usable(solution):
+        if solution.task.split == "held_out" or solution.gait != key or not _usable(solution):
             continue
         if gait_of(Pattern.from_text(solution.pattern), symmetry).text == key:
             by_gait[gait].setdefault(task, []).append(solution)

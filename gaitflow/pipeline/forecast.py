@@ -23,10 +23,15 @@ class Forecast:
 
 
 def forecast(scenario: Scenario) -> Forecast:
-    """Foretell a scenario's work from what its screen leaves, and from a few gaits solved at a task of its grid."""
+    """Foretell a scenario's work from what its screen leaves, and from a few gaits solved at one of its tasks.
+
+    An adaptive sampling is taken to search as many tasks as it may.
+    """
     units = plan_units(scenario)
     expected = ExpectedSolves.of_plan(units)
     solves = round(sum(map(expected.of, units)))
+    if scenario.tasks.adaptive is not None:
+        solves = round(solves / len(units) * scenario.tasks.adaptive.most)
     if scenario.strategy.name == "bonmin":
         return Forecast(solves, None)
     share = GUIDED_SHARE if scenario.strategy.name == "guided" else 1.0

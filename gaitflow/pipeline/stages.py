@@ -5,22 +5,25 @@ Pure functions of the packages below do the work; here they get their files, and
 
 from __future__ import annotations
 
-import json
-import math
+from collections.abc import Sequence
 from contextlib import AbstractContextManager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gaitflow.config.scenario import Scenario, digest_of
 from gaitflow.core.domain import Domain
 from gaitflow.files import atomic_write, make_folder
+from gaitflow.pipeline.atlas_record import atlas_record
+from gaitflow.pipeline.json_file import read_json, write_json
 from gaitflow.pipeline.workspace import Run, Workspace
 
 if TYPE_CHECKING:
     import pandas as pd
 
+    from gaitflow.atlas.node import Place
     from gaitflow.config.cluster import Profile
+    from gaitflow.core.task import Task
     from gaitflow.execute.count import RunState
     from gaitflow.report.claims import Claim
     from gaitflow.runtime.atlas import Atlas
@@ -47,40 +50,49 @@ class PublishedRun:
 def solve(
     workspace: Workspace, scenario: Scenario, workers: int, profile: Profile | None = None
 ) -> tuple[RunState, Path]:
-    """Solve every unit that the store lacks and collect them into one file.
+    """Solve every unit that the store lacks and collect them into one file; choose the tasks first, where it says so.
 
     On `workers` processes of this machine, or with a profile on the jobs of a cluster. Raises DriverAlive when
     another process or job solves the run, WriteError.
     """
     from gaitflow.dataset.collect import collect
+    from gaitflow.execute.display import display
     from gaitflow.execute.local import local_run_client
-    from gaitflow.execute.progress import progress
+    from gaitflow.execute.progress import describe, share
     from gaitflow.execute.run import run_units
     from gaitflow.execute.solver import longest_unit_s
     from gaitflow.store.parts import UnitStore
     from gaitflow.store.units import plan_units
 
-    make_folder(workspace.run(scenario).folder)
-    store, units = UnitStore(workspace.run(scenario).folder), plan_units(scenario)
-    with progress(scenario.name) as on_event:
-        latest: list[RunState] = []
+    run = workspace.run(scenario)
+    make_folder(run.folder)
+    store = UnitStore(run.folder)
+    with display(scenario.name) as tell:
 
-        def remember(state: RunState) -> None:
-            latest[:] = [state]
-            on_event(state)
+        def on_event(state: RunState) -> None:
+            tell(describe(state), share(state), state.notes)
 
-        def tell(note: str) -> None:
-            on_event(replace(latest[0], notes=(note,)))
+        def tell_note(note: str) -> None:
+            tell("", notes=(note,))
 
         def open_client() -> AbstractContextManager[Any]:
             if profile is None:
                 return local_run_client(store.folder, workers)
             from gaitflow.execute.schedulers.cluster_client import cluster_client
 
-            return cluster_client(profile, store.folder, longest_unit_s(units), tell)
+            return cluster_client(profile, store.folder, longest_unit_s(plan_units(scenario)), tell_note)
 
-        state = run_units(units, store, open_client, remember)
-    return state, collect(store, scenario)
+        def search(tasks: Sequence[Task] | None = None) -> RunState:
+            return run_units(plan_units(scenario, tasks), store, open_client, on_event)
+
+        if scenario.tasks.adaptive is None:
+            return search(), collect(store, scenario)
+        from gaitflow.pipeline.sampling import sample
+        from gaitflow.sampling.rounds import held_out
+
+        rounds = sample(run, scenario, search, tell)
+    chosen = [task for one in rounds for task in one.tasks]
+    return search(chosen), collect(store, scenario, chosen, held_out(rounds))
 
 
 def label(workspace: Workspace, scenario: Scenario) -> pd.DataFrame:
@@ -95,7 +107,8 @@ def label(workspace: Workspace, scenario: Scenario) -> pd.DataFrame:
     solutions = load_solutions(run.solutions)
     costs = gait_costs(solutions.frame(), scenario.robot.leg_names)
     knots = scenario.transcription.knots_per_phase
-    labels = label_tasks(costs, tasks_of(scenario), scenario.learning.tie_tolerance, knots)
+    tasks = tasks_of(scenario) if scenario.tasks.adaptive is None else solutions.tasks()
+    labels = label_tasks(costs, tasks, scenario.learning.tie_tolerance, knots)
     labels = with_motion_checks(mark_failed(labels, solutions.frame()), solutions)
     _write_table(run.gait_costs, costs)
     _write_table(run.labels, labels)
@@ -111,6 +124,7 @@ def atlas(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
     from gaitflow.atlas.grow import grow
     from gaitflow.atlas.judge import judge_predictions
     from gaitflow.atlas.patterns import full_patterns, map_symmetry
+    from gaitflow.atlas.settle import settle
     from gaitflow.core.gaits import Pattern
     from gaitflow.dataset import load_solutions
     from gaitflow.execute.display import display
@@ -120,30 +134,30 @@ def atlas(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
 
     run = workspace.run(scenario)
     _need(run.labels, f"gaitflow label {scenario.name}")
+    if scenario.tasks.adaptive is not None:
+        atomic_write(run.atlas, run.sampled_atlas.read_bytes())
+        data: dict[str, Any] = read_json(run.sampled_record)
+        write_json(run.atlas_record, data)
+        return data
     labels, costs = pd.read_parquet(run.labels), pd.read_parquet(run.gait_costs)
     solutions, tolerance = load_solutions(run.solutions), scenario.learning.tie_tolerance
     solved = labels[(labels["split"] == "grid") & (labels["status"] == "solved")]
     gaits = sorted(solved["label"].unique().tolist())
     patterns = full_patterns(solutions.frame(), costs, gaits, tolerance, map_symmetry(scenario))
     numbers = [gaits.index(gait) for gait in patterns.values()]
-    problem, domain = transcribe(scenario), _domain(scenario, labels)
+    problem, domain = transcribe(scenario), _domain(run, scenario, labels)
     with display(f"{scenario.name}: atlas") as tell:
         tell("reading the solutions")
         full = [Pattern.from_text(pattern) for pattern in patterns]
         growth = grow(problem, full, solutions, domain, lambda nodes: tell(f"{nodes} nodes on the grid"))
         fill(growth, lambda: build_atlas(growth, numbers), tolerance, on_test=countdown(tell, "tests"))
+        known = _known_costs(costs, gaits, scenario)
+        missed = settle(growth, lambda: build_atlas(growth, numbers), known, tolerance, tell)
         tell("put together")
         built = build_atlas(growth, numbers)
         content = atlas_bytes(built)
         judged = judge_predictions(growth, built)
-    data = {
-        "gaits": gaits,
-        "nodes": {f"{gaits[sheet.gait]} {sheet.pattern}": len(sheet.tasks) for sheet in built.sheets},
-        "modes": max((len(sheet.modes) for sheet in built.sheets), default=0),
-        "bytes": len(content),
-        "predictions": _without_nan(asdict(judged)),
-        "solves": growth.solver.solves,
-    }
+    data = atlas_record(gaits, built, len(content), judged, growth.solver.solves, missed)
     atomic_write(run.atlas, content)
     write_json(run.atlas_record, data)
     return data
@@ -164,7 +178,7 @@ def train(workspace: Workspace, scenario: Scenario, constant: bool) -> dict[str,
     _need(run.atlas_record, f"gaitflow atlas {scenario.name}")
     labels, costs = pd.read_parquet(run.labels), pd.read_parquet(run.gait_costs)
     known, gaits = _atlas_of(run, scenario)
-    costs_known = KnownCosts(known, tuple(gaits), _domain(scenario, labels))
+    costs_known = KnownCosts(known, tuple(gaits), _domain(run, scenario, labels))
     axes = scenario.tasks.space.ranged
     with display(f"{scenario.name}: train") as tell:
         training = train_all(labels, costs, axes, scenario.learning, constant, costs_known, tell)
@@ -212,7 +226,7 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None, force
     dataset = publish_dataset(workspace.datasets, run.solutions, run.labels, run.gait_costs)
     parts = Parts(
         problem=problem,
-        feasible=_domain(scenario, labels).feasible,
+        feasible=_domain(run, scenario, labels).feasible,
         classifier=run.classifier.read_bytes(),
         classifier_kind=learning["method"],
         classes=learning["classes"],
@@ -323,16 +337,6 @@ def summary(scenario: Scenario) -> dict[str, Any]:
     }
 
 
-def write_json(path: Path, data: Any) -> None:
-    """Write plain data as JSON, whole or not at all."""
-    atomic_write(path, (json.dumps(data, indent=1, allow_nan=False) + "\n").encode())
-
-
-def read_json(path: Path) -> Any:
-    """Read a JSON file of ours."""
-    return json.loads(path.read_bytes())
-
-
 def _atlas_of(run: Run, scenario: Scenario) -> tuple[Atlas, list[str]]:
     """The atlas of a run, and the names of its gaits."""
     from gaitflow.problem import transcribe
@@ -344,11 +348,13 @@ def _atlas_of(run: Run, scenario: Scenario) -> tuple[Atlas, list[str]]:
     return parse_atlas(content, axes, len(gaits), problem.layout, problem.ng, str(run.atlas)), gaits
 
 
-def _domain(scenario: Scenario, labels: pd.DataFrame) -> Domain:
+def _domain(run: Run, scenario: Scenario, labels: pd.DataFrame) -> Domain:
     """The grid of a scenario, and which of its tasks have a feasible gait."""
     import numpy as np
 
     axes = {axis: values.values for axis, values in scenario.tasks.ranges.items()}
+    if scenario.tasks.adaptive is not None:
+        return Domain(axes, np.array(read_json(run.atlas_record)["feasible"], dtype=bool))
     solved = labels[(labels["split"] == "grid") & (labels["status"] == "solved")]
     feasible = np.zeros(tuple(map(len, axes.values())), dtype=bool)
     for place in solved[list(axes)].itertuples(index=False, name=None):
@@ -356,8 +362,14 @@ def _domain(scenario: Scenario, labels: pd.DataFrame) -> Domain:
     return Domain(axes, feasible)
 
 
-def _without_nan(data: dict[str, Any]) -> dict[str, Any]:
-    return {key: None if isinstance(value, float) and math.isnan(value) else value for key, value in data.items()}
+def _known_costs(costs: pd.DataFrame, gaits: list[str], scenario: Scenario) -> dict[Place, dict[int, float]]:
+    """At each task that the map is made from, by how much the gaits of the atlas are dearer than the best one."""
+    axes = list(scenario.tasks.space.ranged)
+    known: dict[Place, dict[int, float]] = {}
+    rows = costs[costs["gait"].isin(gaits) & (costs["split"] != "held_out")]
+    for *place, gait, excess in rows[[*axes, "gait", "excess"]].itertuples(index=False, name=None):
+        known.setdefault(tuple(place), {})[gaits.index(gait)] = excess
+    return known
 
 
 def _write_table(path: Path, frame: pd.DataFrame) -> None:

@@ -22,6 +22,21 @@ class Run:
         return self.folder / "solutions.parquet"
 
     @property
+    def rounds(self) -> Path:
+        """The tasks that an adaptive sampling has chosen, round by round."""
+        return self.folder / "sampling" / "rounds.json"
+
+    @property
+    def sampled_atlas(self) -> Path:
+        """The atlas that an adaptive sampling ended with; what it says of it in `sampled_record`."""
+        return self.folder / "sampling" / "atlas.safetensors"
+
+    @property
+    def sampled_record(self) -> Path:
+        """The gaits and the domain of the sampled atlas, its certificate, and how it got there."""
+        return self.folder / "sampling" / "sampling.json"
+
+    @property
     def labels(self) -> Path:
         """The best gait of each task."""
         return self.folder / "labels.parquet"

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from gaitflow.atlas.patterns import map_symmetry
 from gaitflow.config.scenario import digest_of
-from gaitflow.config.tasks import tasks_of
+from gaitflow.config.tasks import grid_of
 from gaitflow.core.domain import Domain
 from gaitflow.core.gaits import Pattern, gait_of
 from gaitflow.core.trajectory import Array
@@ -151,7 +151,7 @@ def _tensors(parts: Parts) -> GaitTensors:
 
 def _problem_check(parts: Parts) -> bytes:
     """The problem's values beside starts, moved a little so that no term is 0 there, at tasks from end to end."""
-    starts, tasks = parts.ordered_starts, [one for one in tasks_of(parts.problem.scenario) if one.split == "grid"]
+    starts, tasks = parts.ordered_starts, grid_of(parts.problem.scenario)
     rng = np.random.default_rng(0)
     points = [starts[n * len(starts) // POINTS].primal for n in range(POINTS)]
     moved = [point + MOVED * rng.uniform(-1.0, 1.0, len(point)) for point in points]

@@ -101,12 +101,15 @@ class Unit:
         return [{axis: task[axis] for axis in axes} | {"split": task.split} for task in self.tasks]
 
 
-def plan_units(scenario: Scenario) -> tuple[Unit, ...]:
-    """Cut a scenario into units, in the order of its tasks; every task (and restart seed) is in exactly one.
+def plan_units(scenario: Scenario, chosen: Sequence[Task] | None = None) -> tuple[Unit, ...]:
+    """Cut a scenario's tasks, or those that were chosen, into units, in their order.
+
+    Every task (and restart seed) is in exactly one.
 
     All but `bonmin`: chains of `tasks_per_unit` neighbouring speeds at one value of every other axis, so that a task
     starts from its neighbour's solution (where the speed is fixed, neighbours on the first axis with a range);
-    held-out tasks in chains as they are sorted. `bonmin`: one task and 5 restarts, with the seeds strategy.seed,
+    held-out tasks in chains as they are sorted. Tasks of an adaptive sampling are units of their own, so that each is
+    searched without knowing of others. `bonmin`: one task and 5 restarts, with the seeds strategy.seed,
     seed + 1, ..., so that asking for more restarts keeps the units solved before.
     """
     problem = _canonical(scenario.problem_data)
@@ -126,6 +129,8 @@ def plan_units(scenario: Scenario) -> tuple[Unit, ...]:
             for seeds in slices
         )
     text = _canonical(strategy)
+    if scenario.tasks.adaptive is not None:
+        return tuple(Unit(problem, text, (task,), None, solver) for task in chosen or tasks_of(scenario))
     along = next(iter(scenario.tasks.ranges))
     chains = _chains(tasks_of(scenario), along, scenario.strategy.tasks_per_unit)
     return tuple(Unit(problem, text, chain, None, solver) for chain in chains)

@@ -23,7 +23,7 @@ class Column:
 
 COLUMNS: Mapping[str, Column] = {
     **{axis.name: Column(axis.meaning, "" if axis.unit == "1" else axis.unit) for axis in AXES.values()},
-    "split": Column("grid, or held_out: a task that nothing is learnt from"),
+    "split": Column("grid, or sampled: chosen where a map was unsure; held_out: a task that nothing is learnt from"),
     "pattern": Column("contacts, a row of digits a leg joined by /, a digit a phase, 1 is stance"),
     "gait": Column("solutions: the gait's canonical contacts; labels and gait_costs: its name"),
     "gait_key": Column("the gait's canonical contacts"),

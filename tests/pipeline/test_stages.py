@@ -11,6 +11,7 @@ import pytest
 from gaitflow.config.scenario import Range, Scenario, load_scenario
 from gaitflow.config.tasks import tasks_of
 from gaitflow.pipeline import stages
+from gaitflow.pipeline.json_file import read_json, write_json
 from gaitflow.pipeline.workspace import Workspace
 
 
@@ -78,5 +79,5 @@ def test_a_summary_counts_tasks_and_the_patterns_of_the_least_symmetric_one(chec
 
 def test_numbers_that_do_not_exist_are_null(tmp_path: Path) -> None:
     data = stages._without_nan({"mean": float("nan"), "tasks": 0, "name": "x"})
-    stages.write_json(tmp_path / "data.json", data)
-    assert stages.read_json(tmp_path / "data.json") == {"mean": None, "tasks": 0, "name": "x"}
+    write_json(tmp_path / "data.json", data)
+    assert read_json(tmp_path / "data.json") == {"mean": None, "tasks": 0, "name": "x"}

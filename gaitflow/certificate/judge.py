@@ -1,0 +1,62 @@
+"""What a map's pick costs at a task, beside the best gait that a search of that task finds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import pandas as pd
+
+from gaitflow.core.task import Task
+from gaitflow.tables.schema import task_columns
+
+DEARER = 0.01  # relative: a pick that costs more than this above the best is a failure
+INFEASIBLE = float("inf")
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A pick judged: `excess` is its cost over the least that the search found, less 1; infinite without a motion.
+
+    Negative where the search missed something cheaper. `best` is the search's gait, "" when it found no motion at all.
+    """
+
+    task: Task
+    pick: str
+    best: str
+    excess: float
+
+    @property
+    def dearer(self) -> bool:
+        """Whether the pick is a failure: too dear, or without a motion."""
+        return self.excess > DEARER
+
+    @property
+    def infeasible(self) -> bool:
+        """Whether the pick has no known motion."""
+        return self.excess == INFEASIBLE
+
+
+PickCost = Callable[[Task], float | None]  # of the pick on the scenario's mesh, unscaled; None without a motion
+
+
+def judge_picks(tasks: list[Task], picks: list[str], costs: pd.DataFrame, pick_cost: PickCost) -> list[Verdict]:
+    """A verdict a task; `costs` is the frame of `gaitflow.dataset.labels.gait_costs` of these tasks, searched.
+
+    `pick_cost` is asked where the search has no cost of the pick: because it was never tried there, or nothing was
+    found.
+    """
+    axes = [name for name in task_columns(costs.columns) if name != "split"]
+    known = {place: rows for place, rows in costs.groupby(axes, sort=False)}
+    verdicts = []
+    for task, pick in zip(tasks, picks, strict=True):
+        rows = known.get(task.on(axes))
+        of_pick = None if rows is None else rows[rows["gait"] == pick]
+        if of_pick is not None and len(of_pick):
+            excess = float(of_pick["excess"].iloc[0])
+        else:
+            cost = pick_cost(task)
+            least = None if rows is None else float(rows["cost"].min())
+            excess = INFEASIBLE if cost is None else (-1.0 if least is None else cost / least - 1)
+        verdicts.append(Verdict(task, pick, "" if rows is None else str(rows["gait"].iloc[0]), excess))
+    return verdicts

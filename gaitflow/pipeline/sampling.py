@@ -1,0 +1,231 @@
+"""The stage `solve` of a scenario that chooses its own tasks: rounds of searches until the map's certificate is good.
+
+What was chosen is written down before it is searched, and a round's searches are units of the run's store. So an
+interrupted sampling repeats its rounds from the store, without a search, and goes on in the one that it was in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from gaitflow.certificate.bound import chances_of, tasks_needed
+from gaitflow.certificate.certificate import Certificate, certify
+from gaitflow.certificate.draw import draw_tasks
+from gaitflow.certificate.judge import Verdict
+from gaitflow.config.scenario import Scenario
+from gaitflow.core.task import Task
+from gaitflow.files import atomic_write
+from gaitflow.pipeline.atlas_record import atlas_record
+from gaitflow.pipeline.json_file import read_json, write_json
+from gaitflow.pipeline.workspace import Run
+from gaitflow.runtime.atlas_file import atlas_bytes
+from gaitflow.sampling.doubt import next_places
+from gaitflow.sampling.making import MapInMaking
+from gaitflow.sampling.rounds import Kind, Round, rounds_from, task_at
+from gaitflow.search.solution import Solution
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import plan_units
+from gaitflow.tables.schema import scalar_columns, solution_schema
+from gaitflow.tables.solutions import table_to_solutions
+
+if TYPE_CHECKING:
+    from gaitflow.execute.display import Tell
+
+QUIET = 0.1  # of a round's picks that may be wrong for a certificate to be tried
+FORGIVEN = 3  # failures after which the same certificate may be tried with more tasks
+MORE_SEEDS = 1000  # apart: seeds of the parts of a sampling, so that none repeats another's numbers
+
+Search = Callable[[Sequence[Task]], object]  # solves the units of tasks that are not stored yet
+
+
+def sample(run: Run, scenario: Scenario, search: Search, tell: Tell) -> list[Round]:
+    """Choose and search tasks until the map is certified or the scenario's `most` are searched; returns all rounds.
+
+    Leaves the atlas that was judged, and what it was judged to be, in the run's folder. Raises EmptyDomain where no
+    task that was searched has a motion.
+    """
+    sampling, space = scenario.tasks.adaptive, scenario.tasks.space
+    assert sampling is not None, "a scenario whose tasks are a grid has no rounds"
+    rounds = rounds_from(read_json(run.rounds), space) if run.rounds.exists() else []
+    making = MapInMaking(scenario, _scalars(run, scenario), _motions(run, scenario), tell)
+    steps = _Steps(making, sampling.seed)
+    for number in range(sampling.most):  # no sampling has as many rounds, as each searches a task at least
+        if number == len(rounds):
+            left = sampling.most - sum(len(one.tasks) for one in rounds)
+            kind, tasks = steps.next_round(left)
+            if not tasks:
+                break
+            rounds.append(Round(kind, tuple(tasks)))
+            _write(run, scenario, rounds)
+        search(rounds[number].tasks)
+        rounds[number] = steps.done(rounds[number])
+        _write(run, scenario, rounds)
+    tell("put together")
+    atlas, judged = making.built(), making.judge_predictions()
+    content = atlas_bytes(atlas)
+    atomic_write(run.sampled_atlas, content)
+    write_json(
+        run.sampled_record,
+        atlas_record(making.gaits, atlas, len(content), judged, making.growth.solver.solves, steps.missed)
+        | {
+            "feasible": making.domain.feasible.tolist(),
+            "certificate": None if steps.certificate is None else steps.certificate.as_data(),
+            "curve": steps.curve,
+        },
+    )
+    return rounds
+
+
+class _Steps:
+    """What comes next, from what the rounds so far came to."""
+
+    def __init__(self, making: MapInMaking, seed: int) -> None:
+        self._making, self._seed = making, seed
+        sampling = making.scenario.tasks.adaptive
+        assert sampling is not None
+        self._sampling, self._axes = sampling, len(making.scenario.tasks.ranges)
+        self._quiet = False
+        self._asked = 0
+        self._rounds = 0
+        self._drawn: list[Task] = []  # of the certificate that is being tried
+        self._verdicts: list[Verdict] = []
+        self.certificate: Certificate | None = None
+        self.missed = 0
+        self.curve: list[dict[str, Any]] = []
+
+    def next_round(self, left: int) -> tuple[Kind, list[Task]]:
+        """The kind and the tasks of the next round, of at most `left`; no tasks when the sampling is over."""
+        making = self._making
+        if not making.tasks:
+            from gaitflow.config.tasks import tasks_of
+
+            return "start", list(tasks_of(making.scenario))[:left]
+        if self._is_good or left <= 0:
+            return "doubt", []
+        more = self._tasks_for(self._failures) - len(self._drawn)
+        if self._drawn and self._failures <= FORGIVEN and more <= min(left, 2 * len(self._drawn)):
+            return "more", self._draw(more)
+        if self._drawn:
+            self._learn_from_certificate()
+        if self._quiet and self._tasks_for(0) <= left:
+            self.missed = making.fill()
+            return "certificate", self._draw(self._tasks_for(0))
+        number = min(self._sampling.further(self._axes), left)
+        low, high = (np.array([values[end] for values in making.growth.grid]) for end in (0, -1))
+        seed = self._seed * MORE_SEEDS + self._rounds
+        places = next_places(making.costs_atlas(), making.places, np.array(making.regrets), low, high, number, seed)
+        return "doubt", [task_at(making.scenario.tasks.space, place) for place in places]
+
+    def done(self, one: Round) -> Round:
+        """Take in a round that was searched; returns it with what it came to."""
+        making, self._rounds = self._making, self._rounds + 1
+        inside = [task for task in one.tasks if making.domain.contains(task)]
+        verdicts = making.judge(inside)
+        if not one.of_certificate:
+            making.take(one.tasks, verdicts)
+            wrong = sum(verdict.dearer for verdict in verdicts)
+            self._quiet = one.kind == "doubt" and wrong <= QUIET * len(one.tasks)
+            self._tell_curve(one, wrong)
+            return one
+        if one.kind == "certificate":
+            self._drawn, self._verdicts = [], []
+        self._drawn += one.tasks
+        self._verdicts += verdicts
+        self._asked += 1
+        self.certificate = certify(self._verdicts, self._further(), self._asked, self._seed)
+        self._tell_curve(one, self.certificate.dearer)
+        return replace(one, certificate=self.certificate.as_data())
+
+    @property
+    def _is_good(self) -> bool:
+        found = self.certificate
+        return (
+            found is not None
+            and bool(self._drawn)
+            and found.dearer_bound <= self._sampling.dearer
+            and found.infeasible_bound <= self._sampling.infeasible
+        )
+
+    @property
+    def _failures(self) -> int:
+        return sum(verdict.dearer for verdict in self._verdicts)
+
+    def _tasks_for(self, failures: int) -> int:
+        return tasks_needed(failures, self._sampling.dearer, chances_of(self._asked + 1)[0])
+
+    def _draw(self, number: int) -> list[Task]:
+        """Fresh tasks of the domain, after those of this certificate."""
+        making, certificate = self._making, sum(1 for one in self.curve if one["kind"] == "certificate")
+        seed = (self._seed + 1) * MORE_SEEDS**2 + (certificate if self._drawn else certificate + 1)
+        space = making.scenario.tasks.space
+        return draw_tasks(making.domain, space, number, seed, "sampled", skip=len(self._drawn))
+
+    def _further(self) -> list[bool]:
+        """Whether picks have a motion at further fresh tasks: as many as the bound on infeasible picks needs."""
+        infeasible = sum(verdict.infeasible for verdict in self._verdicts)
+        needed = tasks_needed(infeasible, self._sampling.infeasible, chances_of(self._asked)[1])
+        number = max(needed - len(self._verdicts), 0)
+        seed = (self._seed + 1) * MORE_SEEDS**3 + self._asked
+        making = self._making
+        making.tell(f"{number} further picks planned")
+        return making.has_motion(draw_tasks(making.domain, making.scenario.tasks.space, number, seed, "sampled"))
+
+    def _learn_from_certificate(self) -> None:
+        """The map was not good enough: from now on it is made from the certificate's tasks as well."""
+        self._making.take(self._drawn, self._verdicts)
+        self._drawn, self._verdicts, self._quiet = [], [], False
+
+    def _tell_curve(self, one: Round, wrong: int) -> None:
+        making, found = self._making, self.certificate if one.of_certificate else None
+        self.curve.append(
+            {
+                "kind": one.kind,
+                "tasks": len(one.tasks),
+                "searched": len(making.tasks) + len(self._drawn),
+                "wrong": wrong,
+                "gaits": len(making.labelled),
+                "inside": float(making.domain.feasible.mean()),
+                "dearer_bound": None if found is None else found.dearer_bound,
+                "infeasible_bound": None if found is None else found.infeasible_bound,
+            }
+        )
+
+
+def chosen_tasks(run: Run, scenario: Scenario) -> list[Task]:
+    """All tasks that a run's rounds have chosen so far, in their order; before the first those that it begins with."""
+    if not run.rounds.exists():
+        from gaitflow.config.tasks import tasks_of
+
+        return list(tasks_of(scenario))
+    return [task for one in rounds_from(read_json(run.rounds), scenario.tasks.space) for task in one.tasks]
+
+
+def _write(run: Run, scenario: Scenario, rounds: Sequence[Round]) -> None:
+    write_json(run.rounds, [one.as_data(scenario.tasks.space) for one in rounds])
+
+
+def _scalars(run: Run, scenario: Scenario) -> Callable[[Sequence[Task]], pd.DataFrame]:
+    store, columns = UnitStore(run.folder), scalar_columns(solution_schema(scenario.as_data()).names)
+
+    def read(tasks: Sequence[Task]) -> pd.DataFrame:
+        frames = (
+            [store.read(unit, columns=columns).to_pandas() for unit in plan_units(scenario, tasks)] if tasks else []
+        )
+        return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=columns)
+
+    return read
+
+
+def _motions(run: Run, scenario: Scenario) -> Callable[[Sequence[Task]], Iterator[Solution]]:
+    store = UnitStore(run.folder)
+
+    def read(tasks: Sequence[Task]) -> Iterator[Solution]:
+        for unit in plan_units(scenario, tasks):
+            yield from table_to_solutions(store.read(unit), scenario.as_data())
+
+    return read

@@ -1,0 +1,182 @@
+"""A map in the making: what is known of it after the tasks that were searched so far."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+
+import numpy as np
+import pandas as pd
+
+from gaitflow.atlas.compress import build_atlas, cost_atlas
+from gaitflow.atlas.fill import LIMIT, fill
+from gaitflow.atlas.grow import Growth
+from gaitflow.atlas.judge import Predictions, judge_predictions
+from gaitflow.atlas.node import NodeSolver, Place
+from gaitflow.atlas.patterns import NEARLY_BEST, full_patterns, map_symmetry
+from gaitflow.atlas.settle import settle
+from gaitflow.certificate.judge import DEARER, Verdict, judge_picks
+from gaitflow.config.scenario import Scenario
+from gaitflow.core.domain import Domain
+from gaitflow.core.gaits import Pattern
+from gaitflow.core.task import Task
+from gaitflow.core.trajectory import Array
+from gaitflow.dataset.labels import gait_costs, label_tasks
+from gaitflow.problem import transcribe
+from gaitflow.runtime.atlas import Atlas, Prediction
+from gaitflow.search.attempts import best_of, until_feasible
+from gaitflow.search.solution import Solution
+from gaitflow.solvers.fixed_gait import FixedGaitSolver
+
+ReadSolutions = Callable[[Sequence[Task]], Iterable[Solution]]  # of searched tasks, with their motions
+Tell = Callable[[str], None]
+
+
+class MapInMaking:
+    """The tasks that a map is made from, the gaits that compete at them, and the nodes these have spread to.
+
+    `scalars` and `motions` read the rows of searched tasks: the columns without and the solutions with their motions.
+    Equal tasks, taken in the same order, make equal maps.
+    """
+
+    def __init__(
+        self, scenario: Scenario, scalars: Callable[[Sequence[Task]], pd.DataFrame], motions: ReadSolutions, tell: Tell
+    ) -> None:
+        self.scenario = scenario
+        self.tasks: list[Task] = []
+        self.regrets: list[float] = []  # of the pick at each task, before it was searched
+        self.gaits: list[str] = []
+        self.labelled: set[str] = set()
+        self._scalars, self._motions, self.tell = scalars, motions, tell
+        self._numbers: list[int] = []  # the gait of each full pattern of the growth
+        self._rows = pd.DataFrame()
+        self._problem = transcribe(scenario)
+        self._symmetry = map_symmetry(scenario)
+        axes = {axis: values.values for axis, values in scenario.tasks.ranges.items()}
+        everywhere = Domain(axes, np.ones(tuple(map(len, axes.values())), dtype=bool))
+        self.growth = Growth(self._problem, NodeSolver(self._problem, []), everywhere)
+        self._solver = FixedGaitSolver(self._problem, scenario.strategy.solve_time_limit)
+
+    @property
+    def domain(self) -> Domain:
+        """The tasks that the map answers for: between those of the grid that some gait has spread to."""
+        return self.growth.reached
+
+    @property
+    def places(self) -> Array:
+        """[n, a] where the searched tasks are."""
+        return np.array([task.on(self.scenario.tasks.ranges) for task in self.tasks])
+
+    def take(self, tasks: Sequence[Task], verdicts: Sequence[Verdict]) -> None:
+        """Make the map from some more searched tasks, too; `verdicts` are of the picks there before."""
+        tolerance, legs = self.scenario.learning.tie_tolerance, self.scenario.robot.leg_names
+        known = {verdict.task: verdict for verdict in verdicts}
+        self.regrets += [known[task].excess if task in known else 0.0 for task in tasks]
+        before, self.tasks = self.tasks, [*self.tasks, *tasks]
+        self._rows = pd.concat([self._rows, self._scalars(tasks)], ignore_index=True)
+        costs = gait_costs(self._rows, legs)
+        competing = set(costs.loc[costs["excess"] <= NEARLY_BEST, "gait"])
+        self.gaits += sorted(competing - set(self.gaits))
+        labels = label_tasks(costs, self.tasks, tolerance, self.scenario.transcription.knots_per_phase)
+        self.labelled = set(labels.loc[labels["status"] == "solved", "label"])
+        taken = [pattern.text for pattern in self.growth.solver.patterns]
+        patterns = full_patterns(self._rows, costs, self.gaits, tolerance, self._symmetry, taken)
+        new = [pattern for pattern in patterns if pattern not in taken]
+        self.growth.extend([Pattern.from_text(pattern) for pattern in new])
+        self._numbers += [self.gaits.index(patterns[pattern]) for pattern in new]
+        if new and before:
+            self.growth.sow(one for one in self._motions(before) if one.pattern in new)
+        self.growth.sow(self._motions(tasks))
+        self.tell("gaits spread over the grid")
+        self.growth.spread()
+        self._costs = costs
+
+    def fill(self) -> int:
+        """Nodes where predictions fail or mistake a gait; at how many searched tasks the pick is still another one."""
+        tolerance = self.scenario.learning.tie_tolerance
+
+        def on_test(done: int, most: int) -> None:
+            self.tell(f"test {done} of {most}")
+
+        with self._inside():
+            fill(self.growth, self.built, tolerance, on_test=on_test)
+            return settle(self.growth, self.built, self._known_costs(), DEARER, self.tell)
+
+    def costs_atlas(self) -> Atlas:
+        """The atlas as far as it predicts costs, of all competing gaits."""
+        return cost_atlas(self.growth, self._numbers)
+
+    def picking_atlas(self) -> Atlas:
+        """The same of the gaits that the map would choose from: those that are a label."""
+        return self.costs_atlas().of([number for number, gait in enumerate(self.gaits) if gait in self.labelled])
+
+    def built(self) -> Atlas:
+        """The whole atlas, whose gaits are numbers of `gaits`."""
+        return build_atlas(self.growth, self._numbers)
+
+    def judge_predictions(self) -> Predictions:
+        """How good the predictions of the whole atlas are inside the domain."""
+        with self._inside():
+            return judge_predictions(self.growth, self.built())
+
+    def judge(self, tasks: Sequence[Task]) -> list[Verdict]:
+        """What the map's picks come to at tasks of its domain that were searched."""
+        if not tasks:
+            return []
+        costs = gait_costs(self._scalars(tasks), self.scenario.robot.leg_names)
+        picks = self._picks(tasks)
+        names = [self.gaits[pick] if pick >= 0 else "" for pick in picks]
+        by_task = dict(zip(tasks, picks, strict=True))
+        return judge_picks(list(tasks), names, costs, lambda task: self._pick_cost(task, by_task[task]))
+
+    def has_motion(self, tasks: Sequence[Task]) -> list[bool]:
+        """Whether the map's pick has a motion, at tasks of its domain that were not searched."""
+        picks = self._picks(tasks)
+        return [self._pick_cost(task, pick) is not None for task, pick in zip(tasks, picks, strict=True)]
+
+    def _picks(self, tasks: Sequence[Task]) -> list[int]:
+        """The number of the gait that the map picks at each task, -1 where its atlas knows none."""
+        kept = [number for number, gait in enumerate(self.gaits) if gait in self.labelled]
+        atlas, picks = self.picking_atlas(), []
+        for task in tasks:
+            ranked = atlas.ranked(np.array(task.on(atlas.axes)))
+            picks.append(kept[atlas.sheets[ranked[0]].gait] if ranked else -1)
+        return picks
+
+    def _pick_cost(self, task: Task, pick: int) -> float | None:
+        """The least cost of a gait at a task, from its nearest nodes, else from other starts; None without a motion."""
+        place, found = task.on(self.scenario.tasks.ranges), list[float]()
+        sheets = [sheet for sheet, gait in enumerate(self._numbers) if gait == pick and self.growth.nodes[sheet]]
+        for sheet in sheets:
+            for node in self._nearest(sheet, place):
+                cost = self.growth.solver.cost_at(sheet, place, node, LIMIT)
+                if cost is not None:
+                    found.append(cost * self._problem.cost_scale)
+                    break
+        if not found:
+            for sheet in sheets:
+                pattern = self.growth.solver.patterns[sheet]
+                best = best_of(until_feasible(self._solver, pattern, task, None, self.scenario.strategy.restarts))
+                found += [] if best is None else [best.cost]
+        return min(found, default=None)
+
+    def _nearest(self, sheet: int, place: Place) -> list[Prediction]:
+        nodes = self.growth.nodes[sheet]
+        steps, asked = self.growth.steps, np.array(place)
+        near = sorted(nodes, key=lambda other: float(np.linalg.norm((np.array(other) - asked) / steps)))[:2]
+        return [nodes[other].moved(place) for other in near]
+
+    @contextmanager
+    def _inside(self) -> Iterator[None]:
+        """For the length of a block nodes are inside the domain only, not anywhere in the box."""
+        everywhere, self.growth.domain = self.growth.domain, self.domain
+        yield
+        self.growth.domain = everywhere
+
+    def _known_costs(self) -> dict[Place, dict[int, float]]:
+        known: dict[Place, dict[int, float]] = {}
+        axes = list(self.scenario.tasks.space.ranged)
+        rows = self._costs[self._costs["gait"].isin(self.gaits)]
+        for *place, gait, excess in rows[[*axes, "gait", "excess"]].itertuples(index=False, name=None):
+            known.setdefault(tuple(place), {})[self.gaits.index(gait)] = excess
+        return known

@@ -1,0 +1,66 @@
+"""The rounds of an adaptive sampling, as they are written down: which tasks each one searches, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from gaitflow.core.task import Split, Task
+from gaitflow.core.task_space import TaskSpace
+
+# start: spread over the box. doubt: where the map was least sure. certificate: drawn at random for a new certificate;
+# more: the same certificate again, with more tasks.
+Kind = Literal["start", "doubt", "certificate", "more"]
+KINDS: tuple[Kind, ...] = ("start", "doubt", "certificate", "more")
+
+
+@dataclass(frozen=True)
+class Round:
+    """Tasks that are searched together. `certificate` is what the round came to, plain data; None for other kinds."""
+
+    kind: Kind
+    tasks: tuple[Task, ...]
+    certificate: Mapping[str, Any] | None = None
+
+    @property
+    def of_certificate(self) -> bool:
+        """Whether its tasks were drawn to judge the map, not to make it."""
+        return self.kind in ("certificate", "more")
+
+    def as_data(self, space: TaskSpace) -> dict[str, Any]:
+        """Plain JSON data: a task by its values on the axes with a range."""
+        data: dict[str, Any] = {"kind": self.kind, "tasks": [list(task.on(space.ranged)) for task in self.tasks]}
+        return data if self.certificate is None else data | {"certificate": dict(self.certificate)}
+
+
+def rounds_from(data: Any, space: TaskSpace) -> list[Round]:
+    """Rounds from plain JSON data. Raises ValueError for anything else."""
+    try:
+        return [
+            Round(
+                KINDS[KINDS.index(one["kind"])],
+                tuple(task_at(space, values) for values in one["tasks"]),
+                one.get("certificate"),
+            )
+            for one in data
+        ]
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise ValueError(f"these are no rounds of a sampling over {', '.join(space.ranged)}: {error!r}") from None
+
+
+def task_at(space: TaskSpace, values: Any, split: Split = "sampled") -> Task:
+    """The task with these values on the axes with a range."""
+    return space.task(dict(zip(space.ranged, values, strict=True)), split)
+
+
+def held_out(rounds: list[Round]) -> set[Task]:
+    """The tasks of the last certificate, if nothing was made from them since."""
+    tasks: set[Task] = set()
+    for one in reversed(rounds):
+        if not one.of_certificate:
+            break
+        tasks |= set(one.tasks)
+        if one.kind == "certificate":
+            break
+    return tasks
