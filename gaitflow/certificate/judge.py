@@ -18,7 +18,8 @@ INFEASIBLE = float("inf")
 class Verdict:
     """A pick judged: `excess` is its cost over the least that the search found, less 1; infinite without a motion.
 
-    Negative where the search missed something cheaper. `best` is the search's gait, "" when it found no motion at all.
+    Negative where the search missed something cheaper. `pick` and `best`, the search's, are keys of gaits; `best` is ""
+    when the search found no motion at all.
     """
 
     task: Task
@@ -43,20 +44,20 @@ PickCost = Callable[[Task], float | None]  # of the pick on the scenario's mesh,
 def judge_picks(tasks: list[Task], picks: list[str], costs: pd.DataFrame, pick_cost: PickCost) -> list[Verdict]:
     """A verdict a task; `costs` is the frame of `gaitflow.dataset.labels.gait_costs` of these tasks, searched.
 
-    `pick_cost` is asked where the search has no cost of the pick: because it was never tried there, or nothing was
-    found.
+    `picks` are keys of gaits, since the name of one depends on which others there are. `pick_cost` is asked where the
+    search has no cost of the pick: because it was never tried there, or nothing was found.
     """
     axes = [name for name in task_columns(costs.columns) if name != "split"]
     known = {place: rows for place, rows in costs.groupby(axes, sort=False)}
     verdicts = []
     for task, pick in zip(tasks, picks, strict=True):
         rows = known.get(task.on(axes))
-        of_pick = None if rows is None else rows[rows["gait"] == pick]
+        of_pick = None if rows is None else rows[rows["gait_key"] == pick]
         if of_pick is not None and len(of_pick):
             excess = float(of_pick["excess"].iloc[0])
         else:
             cost = pick_cost(task)
             least = None if rows is None else float(rows["cost"].min())
             excess = INFEASIBLE if cost is None else (-1.0 if least is None else cost / least - 1)
-        verdicts.append(Verdict(task, pick, "" if rows is None else str(rows["gait"].iloc[0]), excess))
+        verdicts.append(Verdict(task, pick, "" if rows is None else str(rows["gait_key"].iloc[0]), excess))
     return verdicts

@@ -13,6 +13,7 @@ try:
     import click
 
     from gaitflow.cli.bench import bench
+    from gaitflow.cli.certify import certify
     from gaitflow.cli.check import status, validate, verify
     from gaitflow.cli.cluster import cancel, doctor, submit
     from gaitflow.cli.compact import compact
@@ -41,7 +42,7 @@ COMMANDS = (
     run, solve, label, atlas, train, publish, report,  # a map's stages
     estimate, submit, cancel, doctor, compact,  # on a cluster
     plan, models, datasets, labels, show, trace, export, upload, walk, drive,  # what a map is for
-    status, validate, verify, robot, paper, bench,
+    status, validate, verify, certify, robot, paper, bench,
 )  # fmt: skip
 
 

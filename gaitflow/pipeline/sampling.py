@@ -29,7 +29,7 @@ from gaitflow.sampling.making import MapInMaking
 from gaitflow.sampling.rounds import Kind, Round, rounds_from, task_at
 from gaitflow.search.solution import Solution
 from gaitflow.store.parts import UnitStore
-from gaitflow.store.units import plan_units
+from gaitflow.store.units import plan_cold
 from gaitflow.tables.schema import scalar_columns, solution_schema
 from gaitflow.tables.solutions import table_to_solutions
 
@@ -213,9 +213,7 @@ def _scalars(run: Run, scenario: Scenario) -> Callable[[Sequence[Task]], pd.Data
     store, columns = UnitStore(run.folder), scalar_columns(solution_schema(scenario.as_data()).names)
 
     def read(tasks: Sequence[Task]) -> pd.DataFrame:
-        frames = (
-            [store.read(unit, columns=columns).to_pandas() for unit in plan_units(scenario, tasks)] if tasks else []
-        )
+        frames = [store.read(unit, columns=columns).to_pandas() for unit in plan_cold(scenario, tasks)] if tasks else []
         return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=columns)
 
     return read
@@ -225,7 +223,7 @@ def _motions(run: Run, scenario: Scenario) -> Callable[[Sequence[Task]], Iterato
     store = UnitStore(run.folder)
 
     def read(tasks: Sequence[Task]) -> Iterator[Solution]:
-        for unit in plan_units(scenario, tasks):
+        for unit in plan_cold(scenario, tasks):
             yield from table_to_solutions(store.read(unit), scenario.as_data())
 
     return read

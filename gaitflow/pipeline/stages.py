@@ -137,6 +137,8 @@ def atlas(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
     if scenario.tasks.adaptive is not None:
         atomic_write(run.atlas, run.sampled_atlas.read_bytes())
         data: dict[str, Any] = read_json(run.sampled_record)
+        of_key = dict(pd.read_parquet(run.gait_costs)[["gait_key", "gait"]].itertuples(index=False, name=None))
+        data["gaits"] = [of_key[key] for key in data["gaits"]]
         write_json(run.atlas_record, data)
         return data
     labels, costs = pd.read_parquet(run.labels), pd.read_parquet(run.gait_costs)
@@ -205,7 +207,7 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None, force
     from gaitflow.publishing import Parts, PublishError
     from gaitflow.publishing import publish as publish_map
     from gaitflow.publishing.dataset import publish_dataset
-    from gaitflow.publishing.judge_map import BEYOND, faults_of_map
+    from gaitflow.publishing.judge_map import BEYOND, faults_of_certificate, faults_of_map
     from gaitflow.solvers.options import IPOPT_WARM
     from gaitflow.tables.provenance import made_by
 
@@ -215,6 +217,11 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None, force
     learning, record = read_json(run.learning), read_json(run.atlas_record)
     certificate = workspace.results / f"certificate-{scenario.name}.json"
     faults = faults_of_map(scenario.limits, learning, read_json(certificate) if certificate.exists() else None)
+    judged = {}
+    if scenario.tasks.adaptive is not None:
+        del record["feasible"]
+        judged = {"certificate": record.pop("certificate"), "sampling": record.pop("curve")}
+        faults += faults_of_certificate(scenario.tasks.adaptive, judged["certificate"])
     if faults and not force:
         told = "; ".join(faults)
         raise PublishError(
@@ -234,7 +241,7 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None, force
         atlas=known.of([gaits.index(gait) for gait in learning["classes"]]),
         dataset={"name": scenario.name, "version": dataset.name},
         code=made_by(),
-        metrics=learning | {"atlas": record} | ({BEYOND: faults} if faults else {}),
+        metrics=learning | {"atlas": record} | judged | ({BEYOND: faults} if faults else {}),
         solver_options=IPOPT_WARM,
     )
     model = publish_map(workspace.models, parts, version)

@@ -22,7 +22,7 @@ _MOTIONS = {
 
 def card(manifest: Manifest) -> str:
     """Markdown: what the map is, for which robot and tasks, how good, its limits, how to load it, its licence."""
-    sections = (_what, _beyond_limits, _tasks, _gaits, _quality, _starts, _limits, _use)
+    sections = (_what, _beyond_limits, _tasks, _gaits, _certificate, _quality, _starts, _limits, _use)
     return "\n".join(text for section in sections if (text := section(manifest)))
 
 
@@ -109,6 +109,23 @@ def _quality(manifest: Manifest) -> str:
         return "\n".join([head, note, "", *table, ""])
     numbers = [f"| {name} | {_number(value)} |" for name, value in manifest.metrics.items() if _is_number(value)]
     return "\n".join([head, "", "| metric | value |", "| --- | --- |", *numbers, ""])
+
+
+def _certificate(manifest: Manifest) -> str:
+    """What holds for the map's picks, when the metrics have a certificate."""
+    found = manifest.metrics.get("certificate")
+    if not isinstance(found, Mapping):
+        return ""
+    return f"""## Certificate
+
+With {found["confidence"]:.0%} confidence at most **{found["dearer_bound"]:.2%}** of the domain's tasks get a pick that
+is more than {found["tolerance"]:.0%} dearer than the best gait that the search finds, and at most
+**{found["infeasible_bound"]:.2%}** one without a motion. {found["searched"]} random tasks that had no part in making
+the map were searched: {found["dearer"]} picks were dearer. {found["planned"]} were planned: {found["infeasible"]}
+picks had no motion. The bounds are exact (binomial). They hold although this was asked {found["asking"]} time(s) while
+the map was made: each asking had a part of the 5 % chance of error. `gaitflow certify` asks again, at tasks of your own
+seed.
+"""
 
 
 def _starts(manifest: Manifest) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from gaitflow.config.limits import Limits
+from gaitflow.config.sampling import Sampling
 
 BEYOND = (
     "beyond_limits"  # among a manifest's metrics: what `faults_of_map` found when the map was published all the same
@@ -29,4 +30,19 @@ def faults_of_map(limits: Limits, metrics: Mapping[str, Any], certificate: Mappi
         f"{what} is {value:.3g}, more than limits.{name} = {getattr(limits, name):g}"
         for name, what, value in measured
         if value is not None and value > getattr(limits, name)
+    ]
+
+
+def faults_of_certificate(goal: Sampling, certificate: Mapping[str, Any] | None) -> list[str]:
+    """What of a map's certificate misses the goal of its sampling, a sentence each; a map without one misses it."""
+    if certificate is None:
+        return [f"no certificate: tasks.sampling.most = {goal.most} tasks were searched before one could be tried"]
+    measured = [
+        ("dearer", "share of tasks whose pick may be too dear", certificate["dearer_bound"]),
+        ("infeasible", "share of tasks whose pick may have no motion", certificate["infeasible_bound"]),
+    ]
+    return [
+        f"{what}, by the certificate, is {value:.3g}, more than tasks.sampling.{name} = {getattr(goal, name):g}"
+        for name, what, value in measured
+        if value > getattr(goal, name)
     ]

@@ -45,11 +45,11 @@ class MapInMaking:
         self.scenario = scenario
         self.tasks: list[Task] = []
         self.regrets: list[float] = []  # of the pick at each task, before it was searched
-        self.gaits: list[str] = []
+        self.gaits: list[str] = []  # their keys, since the name of one depends on which others there are
         self.labelled: set[str] = set()
         self._scalars, self._motions, self.tell = scalars, motions, tell
         self._numbers: list[int] = []  # the gait of each full pattern of the growth
-        self._rows = pd.DataFrame()
+        self._rows, self._costs = pd.DataFrame(), pd.DataFrame()
         self._problem = transcribe(scenario)
         self._symmetry = map_symmetry(scenario)
         axes = {axis: values.values for axis, values in scenario.tasks.ranges.items()}
@@ -75,15 +75,19 @@ class MapInMaking:
         before, self.tasks = self.tasks, [*self.tasks, *tasks]
         self._rows = pd.concat([self._rows, self._scalars(tasks)], ignore_index=True)
         costs = gait_costs(self._rows, legs)
-        competing = set(costs.loc[costs["excess"] <= NEARLY_BEST, "gait"])
+        competing = set(costs.loc[costs["excess"] <= NEARLY_BEST, "gait_key"])
         self.gaits += sorted(competing - set(self.gaits))
         labels = label_tasks(costs, self.tasks, tolerance, self.scenario.transcription.knots_per_phase)
-        self.labelled = set(labels.loc[labels["status"] == "solved", "label"])
+        keys = dict(zip(costs["gait"], costs["gait_key"], strict=True))
+        self.labelled = {keys[name] for name in labels.loc[labels["status"] == "solved", "label"]}
         taken = [pattern.text for pattern in self.growth.solver.patterns]
-        patterns = full_patterns(self._rows, costs, self.gaits, tolerance, self._symmetry, taken)
+        names = dict(zip(costs["gait_key"], costs["gait"], strict=True))
+        patterns = full_patterns(
+            self._rows, costs, [names[key] for key in self.gaits], tolerance, self._symmetry, taken
+        )
         new = [pattern for pattern in patterns if pattern not in taken]
         self.growth.extend([Pattern.from_text(pattern) for pattern in new])
-        self._numbers += [self.gaits.index(patterns[pattern]) for pattern in new]
+        self._numbers += [self.gaits.index(keys[patterns[pattern]]) for pattern in new]
         if new and before:
             self.growth.sow(one for one in self._motions(before) if one.pattern in new)
         self.growth.sow(self._motions(tasks))
@@ -176,7 +180,7 @@ class MapInMaking:
     def _known_costs(self) -> dict[Place, dict[int, float]]:
         known: dict[Place, dict[int, float]] = {}
         axes = list(self.scenario.tasks.space.ranged)
-        rows = self._costs[self._costs["gait"].isin(self.gaits)]
-        for *place, gait, excess in rows[[*axes, "gait", "excess"]].itertuples(index=False, name=None):
+        rows = self._costs[self._costs["gait_key"].isin(self.gaits)]
+        for *place, gait, excess in rows[[*axes, "gait_key", "excess"]].itertuples(index=False, name=None):
             known.setdefault(tuple(place), {})[self.gaits.index(gait)] = excess
         return known

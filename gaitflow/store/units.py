@@ -130,10 +130,17 @@ def plan_units(scenario: Scenario, chosen: Sequence[Task] | None = None) -> tupl
         )
     text = _canonical(strategy)
     if scenario.tasks.adaptive is not None:
-        return tuple(Unit(problem, text, (task,), None, solver) for task in chosen or tasks_of(scenario))
+        return plan_cold(scenario, tasks_of(scenario) if chosen is None else chosen)
     along = next(iter(scenario.tasks.ranges))
     chains = _chains(tasks_of(scenario), along, scenario.strategy.tasks_per_unit)
     return tuple(Unit(problem, text, chain, None, solver) for chain in chains)
+
+
+def plan_cold(scenario: Scenario, tasks: Sequence[Task]) -> tuple[Unit, ...]:
+    """A unit a task: so each is searched without knowing of the others."""
+    strategy = scenario.strategy.model_dump(mode="json", exclude={"tasks_per_unit"})
+    problem, text, solver = _canonical(scenario.problem_data), _canonical(strategy), _canonical(solver_version())
+    return tuple(Unit(problem, text, (task,), None, solver) for task in tasks)
 
 
 def plan_exhaustive(scenario: Scenario, incumbents: Mapping[Task, float], parts: int) -> tuple[Unit, ...]:
