@@ -114,6 +114,14 @@ class Growth:
         """The dataset's own solution of a sheet at a place; None without one."""
         return self._starts[sheet].get(place)
 
+    def nearest(self, sheet: int, place: Place, count: int) -> list[Prediction]:
+        """First-order predictions at a place from the `count` nodes of a sheet that are nearest to it."""
+        asked, steps = np.array(place), self.steps
+        near = sorted(
+            self.nodes[sheet], key=lambda other: (float(np.linalg.norm((np.array(other) - asked) / steps)), other)
+        )
+        return [self.nodes[sheet][other].moved(place) for other in near[:count]]
+
     def spread(self) -> None:
         """Solve neighbours, all patterns one step at a time, until nothing new is competitive."""
         tried: set[tuple[int, Place, Place, float]] = set()

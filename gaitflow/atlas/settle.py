@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from gaitflow.atlas.compress import cost_atlas
 from gaitflow.atlas.grow import DECIMALS, Growth
 from gaitflow.atlas.node import Place
 from gaitflow.runtime.atlas import Atlas
@@ -22,28 +23,24 @@ Known = Mapping[Place, Mapping[int, float]]  # at each searched place the excess
 
 def settle(
     growth: Growth,
-    compiled: Callable[[], Atlas],
+    gaits: Sequence[int],
     known: Known,
     tolerance: float,
     tell: Callable[[str], None] = lambda text: None,
 ) -> int:
-    """Add nodes until the atlas picks a gait at most `tolerance` (relative) dearer than the best at each known place.
+    """Add nodes until an atlas picks a gait at most `tolerance` (relative) dearer than the best at each known place.
 
-    `compiled` makes the atlas of the nodes that there are, its sheets in their order. Returns at how many places it
-    still picks another gait after ROUNDS, or when no more nodes can be added.
+    `gaits` are the numbers of the gaits that the growth's full patterns realise. Returns at how many places another
+    gait is still picked after ROUNDS, or when no more nodes can be added.
     """
     for number in range(ROUNDS):
-        atlas = compiled()
-        sheets = [sheet for sheet, nodes in enumerate(growth.nodes) if nodes]
-        wrong = {place: mistaken(atlas, place, costs, tolerance) for place, costs in known.items()}
-        wrong = {place: gaits for place, gaits in wrong.items() if gaits}
+        wrong = _mistakes(growth, gaits, known, tolerance)
         tell(f"other gaits than the search's at {len(wrong)} of {len(known)} tasks, round {number + 1}")
-        added = [_correct(growth, atlas, sheets, place, gaits) for place, gaits in wrong.items()]
+        added = [_correct(growth, gaits, place, mistaken) for place, mistaken in wrong.items()]
         if not any(added):
             return len(wrong)
         growth.spread()
-    atlas = compiled()
-    return sum(bool(mistaken(atlas, place, costs, tolerance)) for place, costs in known.items())
+    return len(_mistakes(growth, gaits, known, tolerance))
 
 
 def mistaken(atlas: Atlas, place: Place, costs: Mapping[int, float], tolerance: float) -> tuple[int, ...]:
@@ -55,20 +52,25 @@ def mistaken(atlas: Atlas, place: Place, costs: Mapping[int, float], tolerance: 
     return () if costs.get(picked, np.inf) <= tolerance else (picked, best)
 
 
-def _correct(growth: Growth, atlas: Atlas, sheets: Sequence[int], place: Place, gaits: Sequence[int]) -> bool:
+def _mistakes(growth: Growth, gaits: Sequence[int], known: Known, tolerance: float) -> dict[Place, tuple[int, ...]]:
+    atlas = cost_atlas(growth, gaits)
+    found = {place: mistaken(atlas, place, costs, tolerance) for place, costs in known.items()}
+    return {place: pair for place, pair in found.items() if pair}
+
+
+def _correct(growth: Growth, gaits: Sequence[int], place: Place, mistaken: Sequence[int]) -> bool:
     """Nodes of some gaits' sheets at a place, or as near to it as they have a motion; whether any is new."""
     added = False
-    for number, sheet in enumerate(atlas.sheets):
-        if sheet.gait in gaits:
-            tried = [place, *_on_the_way(growth, sheets[number], place)]
-            added |= any(_node_at(growth, atlas, sheets[number], number, near) for near in tried)
+    for sheet, gait in enumerate(gaits):
+        if gait in mistaken and growth.nodes[sheet]:
+            tried = [place, *_on_the_way(growth, sheet, place)]
+            added |= any(_node_at(growth, sheet, near) for near in tried)
     return added
 
 
-def _node_at(growth: Growth, atlas: Atlas, sheet: int, number: int, place: Place) -> bool:
-    """Whether a node of a sheet could be added: from the dataset's own solution, its prediction or its neighbours."""
-    asked = np.array(place)
-    starts = [growth.start_at(sheet, place), atlas.predict(number, asked), *atlas.nearest(number, asked, 2)]
+def _node_at(growth: Growth, sheet: int, place: Place) -> bool:
+    """Whether a node of a sheet could be added: from the dataset's own solution or from the nearest nodes."""
+    starts = [growth.start_at(sheet, place), *growth.nearest(sheet, place, 3)]
     return place not in growth.nodes[sheet] and any(
         growth.keep(sheet, growth.solver.node(sheet, place, start)) for start in starts if start is not None
     )

@@ -73,6 +73,7 @@ def solve(workspace: Workspace, scenario: str, workers: int, profile_file: Path 
     \b
     Example: gaitflow solve quickstart --workers 2
     """
+    from gaitflow.certificate.draw import EmptyDomain
     from gaitflow.config.cluster import load_profile
     from gaitflow.dataset.collect import NotComplete
     from gaitflow.execute.drivers import DriverAlive
@@ -84,7 +85,7 @@ def solve(workspace: Workspace, scenario: str, workers: int, profile_file: Path 
         try:
             profile = None if profile_file is None else load_profile(profile_file)
             state, path = stages.solve(workspace, resolved, workers, profile)
-        except (RunFailed, NotComplete, DriverAlive, SchedulerError) as error:
+        except (RunFailed, NotComplete, DriverAlive, SchedulerError, EmptyDomain) as error:
             fail(str(error))
     click.echo(f"{state.solved} units solved, {state.failed} given up: {path}")
 

@@ -15,7 +15,7 @@ import pandas as pd
 
 from gaitflow.certificate.bound import chances_of, tasks_needed
 from gaitflow.certificate.certificate import Certificate, certify
-from gaitflow.certificate.draw import draw_tasks
+from gaitflow.certificate.draw import EmptyDomain, draw_tasks
 from gaitflow.certificate.judge import Verdict
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.task import Task
@@ -64,6 +64,11 @@ def sample(run: Run, scenario: Scenario, search: Search, tell: Tell) -> list[Rou
             _write(run, scenario, rounds)
         search(rounds[number].tasks)
         rounds[number] = steps.done(rounds[number])
+        if not making.labelled:
+            raise EmptyDomain(
+                f"{scenario.name}: none of the {len(making.tasks)} tasks that were searched has a motion; give axes "
+                "over which the robot can move, or more tasks to begin with (tasks.sampling.start)"
+            )
         _write(run, scenario, rounds)
     tell("put together")
     atlas, judged = making.built(), making.judge_predictions()

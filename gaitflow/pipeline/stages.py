@@ -154,7 +154,7 @@ def atlas(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
         growth = grow(problem, full, solutions, domain, lambda nodes: tell(f"{nodes} nodes on the grid"))
         fill(growth, lambda: build_atlas(growth, numbers), tolerance, on_test=countdown(tell, "tests"))
         known = _known_costs(costs, gaits, scenario)
-        missed = settle(growth, lambda: build_atlas(growth, numbers), known, tolerance, tell)
+        missed = settle(growth, numbers, known, tolerance, tell)
         tell("put together")
         built = build_atlas(growth, numbers)
         content = atlas_bytes(built)

@@ -23,7 +23,7 @@ from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.dataset.labels import gait_costs, label_tasks
 from gaitflow.problem import transcribe
-from gaitflow.runtime.atlas import Atlas, Prediction
+from gaitflow.runtime.atlas import Atlas
 from gaitflow.search.attempts import best_of, until_feasible
 from gaitflow.search.solution import Solution
 from gaitflow.solvers.fixed_gait import FixedGaitSolver
@@ -104,7 +104,7 @@ class MapInMaking:
 
         with self._inside():
             fill(self.growth, self.built, tolerance, on_test=on_test)
-            return settle(self.growth, self.built, self._known_costs(), DEARER, self.tell)
+            return settle(self.growth, self._numbers, self._known_costs(), DEARER, self.tell)
 
     def costs_atlas(self) -> Atlas:
         """The atlas as far as it predicts costs, of all competing gaits."""
@@ -152,8 +152,8 @@ class MapInMaking:
         place, found = task.on(self.scenario.tasks.ranges), list[float]()
         sheets = [sheet for sheet, gait in enumerate(self._numbers) if gait == pick and self.growth.nodes[sheet]]
         for sheet in sheets:
-            for node in self._nearest(sheet, place):
-                cost = self.growth.solver.cost_at(sheet, place, node, LIMIT)
+            for start in self.growth.nearest(sheet, place, 2):
+                cost = self.growth.solver.cost_at(sheet, place, start, LIMIT)
                 if cost is not None:
                     found.append(cost * self._problem.cost_scale)
                     break
@@ -163,12 +163,6 @@ class MapInMaking:
                 best = best_of(until_feasible(self._solver, pattern, task, None, self.scenario.strategy.restarts))
                 found += [] if best is None else [best.cost]
         return min(found, default=None)
-
-    def _nearest(self, sheet: int, place: Place) -> list[Prediction]:
-        nodes = self.growth.nodes[sheet]
-        steps, asked = self.growth.steps, np.array(place)
-        near = sorted(nodes, key=lambda other: float(np.linalg.norm((np.array(other) - asked) / steps)))[:2]
-        return [nodes[other].moved(place) for other in near]
 
     @contextmanager
     def _inside(self) -> Iterator[None]:

@@ -1,0 +1,65 @@
+"""A pick is judged by what the search found, and solved where the search never tried it."""
+
+from __future__ import annotations
+
+import math
+
+import pandas as pd
+import pytest
+
+from gaitflow.certificate.certificate import certify
+from gaitflow.certificate.judge import Verdict, judge_picks
+from gaitflow.core.task import Task
+
+
+def at(speed: float) -> Task:
+    return Task.of({"speed": speed, "cycle_duration": 0.5}, "held_out")
+
+
+def costs(rows: list[tuple[float, str, float, float]]) -> pd.DataFrame:
+    """Rows (speed, gait key, cost, excess), as `gait_costs` orders them."""
+    frame = pd.DataFrame(rows, columns=["speed", "gait_key", "cost", "excess"])
+    return frame.assign(cycle_duration=0.5, split="held_out", gait=frame["gait_key"])
+
+
+def never(task: Task) -> float | None:
+    raise AssertionError(f"{task} was solved anew")
+
+
+def test_what_the_search_solved_is_not_solved_again() -> None:
+    known = costs([(0.1, "a", 1.0, 0.0), (0.1, "b", 1.5, 0.5), (0.2, "b", 2.0, 0.0)])
+    right, wrong, only = judge_picks([at(0.1), at(0.1), at(0.2)], ["a", "b", "b"], known, never)
+    assert (right.excess, right.dearer) == (0.0, False)
+    assert (wrong.excess, wrong.dearer, wrong.best, wrong.infeasible) == (0.5, True, "a", False)
+    assert not only.dearer
+
+
+@pytest.mark.parametrize(
+    ("cost", "excess", "dearer"), [(1.2, 0.2, True), (1.005, 0.005, False), (0.9, -0.1, False), (None, math.inf, True)]
+)
+def test_a_pick_that_was_never_tried_is_solved(cost: float | None, excess: float, dearer: bool) -> None:
+    [verdict] = judge_picks([at(0.1)], ["c"], costs([(0.1, "a", 1.0, 0.0)]), lambda task: cost)
+    assert verdict.excess == pytest.approx(excess) and verdict.dearer is dearer
+    assert verdict.infeasible is (cost is None)
+
+
+def test_where_the_search_found_nothing_a_motion_of_the_pick_is_right() -> None:
+    nothing = costs([])
+    found, none = (judge_picks([at(0.1)], ["a"], nothing, lambda task, c=cost: c)[0] for cost in (3.0, None))
+    assert found.best == "" and not found.dearer
+    assert none.infeasible
+
+
+def test_a_certificate_counts_searched_and_planned_picks() -> None:
+    verdicts = [Verdict(at(0.1), "a", "a", 0.0)] * 97 + [
+        Verdict(at(0.2), "a", "b", 0.3),
+        Verdict(at(0.3), "a", "b", -0.2),
+        Verdict(at(0.4), "a", "b", math.inf),
+    ]
+    found = certify(verdicts, [True] * 899 + [False], asking=1, seed=4)
+    assert (found.searched, found.dearer, found.planned, found.infeasible) == (100, 2, 1000, 2)
+    assert (found.cheaper, found.worst_excess) == (1, 0.3)
+    assert 0.02 < found.dearer_bound < 0.1 and 0.002 < found.infeasible_bound < 0.01
+    later = certify(verdicts, [True] * 900, asking=2, seed=4)
+    assert later.dearer_bound > found.dearer_bound, "each further asking has less of the chance of error"
+    assert "2 of 100 searched" in str(found)

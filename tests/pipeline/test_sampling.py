@@ -1,0 +1,93 @@
+"""An adaptive map from its first task to its certificate, stopped and gone on with on the way."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from gaitflow.runtime import GaitMap
+
+SCENARIO = """\
+name: adaptive-small
+robot: half_cheetah
+objective: {tangential_velocity: 1.0e+6, normal_velocity: 1.0e+6, tilt: 1.0e+6, tilt_rate: 1.0e+6}
+transcription: {knots_per_phase: 5, integrator: momentum, forces: linear, grading: 1.0}
+tasks:
+  axes: {speed: {start: 0.3, stop: 1.5, count: 4}, cycle_duration: {start: 0.4, stop: 0.8, count: 3}}
+  sampling: {start: 6, each: 3, most: 60, dearer: 0.2, infeasible: 0.1}
+strategy: {name: patterns, restarts: 1}
+learning: {methods: [knn]}
+limits: {regret_mean: 0.5}
+"""
+
+
+def gaitflow(folder: Path, *arguments: str) -> str:
+    done = subprocess.run(
+        [sys.executable, "-m", "gaitflow.cli", *arguments], cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def read(path: Path) -> Any:
+    return json.loads(path.read_text())
+
+
+@pytest.mark.slow
+def test_a_map_chooses_its_tasks_until_it_is_certified(tmp_path: Path) -> None:
+    (tmp_path / "small.yaml").write_text(SCENARIO)
+    gaitflow(tmp_path, "solve", "small.yaml")
+    run = tmp_path / "runs" / "adaptive-small"
+    rounds, record = read(run / "sampling" / "rounds.json"), read(run / "sampling" / "sampling.json")
+    assert [one["kind"] for one in rounds[:2]] == ["start", "doubt"]
+    assert record["certificate"]["dearer_bound"] <= 0.2 and record["certificate"]["infeasible_bound"] <= 0.1
+    assert record["curve"][-1]["kind"] in ("certificate", "more")
+
+    before = (run / "sampling" / "atlas.safetensors").read_bytes()
+    (run / "sampling" / "rounds.json").write_text(json.dumps(rounds[:2]))  # as if it had been stopped after two
+    solved = set((run / "units").iterdir()) if (run / "units").is_dir() else set()
+    gaitflow(tmp_path, "solve", "small.yaml")
+    assert read(run / "sampling" / "rounds.json") == rounds, "the same tasks again"
+    assert (run / "sampling" / "atlas.safetensors").read_bytes() == before
+    assert not solved or set((run / "units").iterdir()) == solved, "none of them was searched again"
+    status = gaitflow(tmp_path, "status", "small.yaml")
+    tasks = sum(len(one["tasks"]) for one in rounds)
+    assert f"{tasks} units: {tasks} solved, 0 failed, 0 left" in status
+
+    for stage in ("label", "atlas", "train", "publish", "report"):
+        gaitflow(tmp_path, stage, "small.yaml")
+    labels = pq.read_table(run / "labels.parquet").to_pandas()
+    drawn = record["certificate"]["searched"]
+    assert (labels["split"] == "held_out").sum() == drawn and (labels["split"] == "sampled").sum() == tasks - drawn
+    gait_map = GaitMap.load(tmp_path / "models" / "adaptive-small")
+    certificate = gait_map.manifest.metrics["certificate"]
+    assert certificate == record["certificate"]
+    held_out = labels[labels["split"] == "held_out"]
+    picks = [gait_map.select(row.speed, row.cycle_duration).gait for row in held_out.itertuples()]
+    wrong = sum(pick not in ties for pick, ties in zip(picks, held_out["ties"], strict=True))
+    assert wrong <= max(certificate["dearer"], 2), "the published map picks what was judged"
+    card = (tmp_path / "models" / "adaptive-small" / "1.0.0" / "README.md").read_text()
+    assert "## Certificate" in card and f"**{certificate['dearer_bound']:.2%}**" in card
+    assert (run / "report" / "index.html").stat().st_size > 1000
+
+    asked = json.loads(gaitflow(tmp_path, "certify", "models/adaptive-small", "--tasks", "6", "--seed", "9", "--json"))
+    assert asked["searched"] == 6 and asked["planned"] >= 6 and asked["dearer"] <= 2
+    assert np.isclose(asked["dearer_bound"], 1.0) or asked["dearer_bound"] < 0.9
+
+
+def test_a_box_without_a_motion_is_one_line(tmp_path: Path) -> None:
+    nowhere = SCENARIO.replace("{start: 0.3, stop: 1.5, count: 4}", "{start: 18.0, stop: 19.0, count: 2}")
+    (tmp_path / "small.yaml").write_text(nowhere.replace("start: 6, each: 3, most: 60", "start: 2, each: 1, most: 4"))
+    done = subprocess.run(
+        [sys.executable, "-m", "gaitflow.cli", "solve", "small.yaml"],
+        cwd=tmp_path, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 1 and "Traceback" not in done.stderr
+    assert "none of the 2 tasks that were searched has a motion" in done.stderr.splitlines()[-1]

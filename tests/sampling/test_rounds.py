@@ -1,0 +1,39 @@
+"""Rounds are written down and read back; only a certificate that nothing was learnt from is held out."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+
+from gaitflow.core.task_space import TaskSpace
+from gaitflow.sampling.rounds import Kind, Round, held_out, rounds_from, task_at
+
+SPACE = TaskSpace(("speed", "slope"), (("cycle_duration", 0.5),))
+
+
+def a_round(kind: Kind, *speeds: float) -> Round:
+    return Round(kind, tuple(task_at(SPACE, (speed, 3.0)) for speed in speeds))
+
+
+def test_rounds_come_back_as_they_were() -> None:
+    rounds = [a_round("start", 0.1, 0.2), Round("certificate", a_round("start", 0.3).tasks, {"searched": 1})]
+    data = json.loads(json.dumps([one.as_data(SPACE) for one in rounds]))
+    assert rounds_from(data, SPACE) == rounds
+
+
+@pytest.mark.parametrize(
+    "data", [7, [{"kind": "start"}], [{"kind": "x", "tasks": []}], [{"kind": "start", "tasks": [[1]]}]]
+)
+def test_anything_else_is_one_line(data: Any) -> None:
+    with pytest.raises(ValueError, match="no rounds of a sampling over speed, slope"):
+        rounds_from(data, SPACE)
+
+
+def test_held_out_is_the_last_certificate_with_its_further_tasks() -> None:
+    start, first, more = a_round("start", 0.1), a_round("certificate", 0.2), a_round("more", 0.3)
+    assert held_out([start]) == set()
+    assert held_out([start, first, more]) == {*first.tasks, *more.tasks}
+    assert held_out([start, first, a_round("certificate", 0.4)]) == set(a_round("certificate", 0.4).tasks)
+    assert held_out([start, first, more, a_round("doubt", 0.5)]) == set()
