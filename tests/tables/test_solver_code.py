@@ -27,8 +27,8 @@ def test_code_version_reads_the_solving_code(monkeypatch: pytest.MonkeyPatch) ->
 # Of what is loaded with the solver these decide no number: where files are, how they are read and written, and what
 # gaits and links are called.
 DECIDES_NOTHING = {
-    "gaitflow", "gaitflow.config", "gaitflow.config.file", "gaitflow.config.frames", "gaitflow.core",
-    "gaitflow.core.errors", "gaitflow.core.names", "gaitflow.shipped",
+    "gaitflow", "gaitflow.config", "gaitflow.config.file", "gaitflow.config.frames", "gaitflow.config.sampling",
+    "gaitflow.core", "gaitflow.core.errors", "gaitflow.core.names", "gaitflow.shipped",
 }  # fmt: skip
 
 

@@ -85,8 +85,8 @@ def test_another_budget_is_another_run(
 
 # Of what Bonmin's search loads these decide nothing that takes an hour: files and names, and the polish of its pattern.
 NOT_BONMIN = {
-    "gaitflow", "gaitflow.config", "gaitflow.config.file", "gaitflow.config.frames", "gaitflow.core",
-    "gaitflow.core.errors", "gaitflow.core.names", "gaitflow.search", "gaitflow.search.attempts",
+    "gaitflow", "gaitflow.config", "gaitflow.config.file", "gaitflow.config.frames", "gaitflow.config.sampling",
+    "gaitflow.core", "gaitflow.core.errors", "gaitflow.core.names", "gaitflow.search", "gaitflow.search.attempts",
     "gaitflow.search.rows", "gaitflow.search.solution", "gaitflow.shipped", "gaitflow.solvers",
     "gaitflow.solvers.elements",
     "gaitflow.solvers.fixed_gait", "gaitflow.solvers.interior_point", "gaitflow.solvers.kkt",
