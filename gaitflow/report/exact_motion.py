@@ -90,9 +90,10 @@ def page(rows: Sequence[tuple[str, ...]], claims: Sequence[Claim]) -> str:
     lines = [
         "# What forward Euler decided",
         "",
-        "Made by `gaitflow report --exact-motion` of the newest published datasets. A label changed when the exact map",
-        "gives a task another gait, beyond what time reversal merges there; *beyond ties* leaves out those whose",
-        "Euler gait ties by the exact costs. How much dearer it is by those is of the rest; *none*: it has no motion.",
+        "`gaitflow report --exact-motion` writes this page from the newest published datasets. A label changed when the",
+        "exact map gives a task another gait; a gait and its time reversal count as one where the exact map merges",
+        "them. *Beyond ties* leaves out tasks where Euler's gait ties by the exact costs. The columns after it are about",
+        "the tasks that remain: how much dearer Euler's gait is by the exact costs, and how often it has no motion.",
         "",
         f"| {' | '.join(TITLES)} |",
         f"|{' --- |' * len(TITLES)}",
