@@ -29,39 +29,41 @@ DEFAULT_SCENARIO = "half-cheetah-flat-effort"
 @click.option(
     "--profile",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
-    help="speedup only: on the jobs of this cluster.",
+    help="Only for speedup: measure on jobs of this cluster.",
 )
 @json_option
 @click.pass_obj
 def bench(
     workspace: Workspace, name: str, scenario: str, tasks: int | None, seed: int, profile: Path | None, as_json: bool
 ) -> None:
-    """Measure NAME and write docs/results/NAME-SCENARIO.json; a bench that was stopped goes on.
+    """Measure something and write docs/results/NAME-SCENARIO.json.
+
+    A bench that was stopped goes on where it was. The benches:
 
     \b
-    discovery  pattern search against Bonmin's restarts: cost and CPU time
+    discovery  exhaustive search against Bonmin's restarts: cost and CPU time
     table1     the paper's Table I: MINLP, random starts, warm starts
-    table2     its Table II, with the MINLP's runs of `bench minlp` (after `gaitflow run`)
+    table2     the paper's Table II, with the MINLP's runs of `bench minlp` (after `gaitflow run`)
     minlp      Bonmin for an hour on one task, its incumbents and gap, beside our search
     mesh       transcriptions and meshes: error of the best cost, wrong labels and CPU time
-    referee    random patterns solved or given up, again by IPOPT (--tasks: how many of the solved)
-    scaling    CPU time of one pattern by legs, phases and knots; of two robots, whatever SCENARIO says
+    referee    IPOPT on random patterns that were solved or given up (--tasks: how many of the solved)
+    scaling    CPU time of one pattern by legs, phases and knots, for two robots (SCENARIO does not matter)
     map        what making a map took, every label checked again (after `gaitflow run`)
-    select     loading a map and asking it
-    online     planning from a map: latency, consistency, and the paper's way beside it; draws a figure, too
+    select     time to load a map and to ask it for a gait
+    online     planning from a map: latency, consistency, comparison with the paper's way; draws a figure
     clients    whole-body shooting and predictive control from a map's plans, from a hand-made trot, and cold
     cpp        planning from an exported map in C++ (needs cmake, cc, g++)
-    drive      a minute's drive by speed alone in MuJoCo: falls, switches, the loop's times
+    drive      a minute's drive in MuJoCo, commanded by speed alone: falls, switches, the loop's times
     walk       a map's picks and hand-made gaits in MuJoCo: who walks, and what it costs
     stances    what one stance per leg costs (needs the runs of SCENARIO and SCENARIO-free)
-    phases     what more phases gain (SCENARIO is S-eight-phases; needs its run and that of S)
+    phases     what eight phases gain over four (SCENARIO is S-eight-phases; needs its run and that of S)
     ranking    the gaits of each task by cost and what they ask of the robot (after `gaitflow solve`)
-    certificate  exhaustive search of some tasks beside their labels (after `gaitflow label`)
-    faults     kill -9 of workers and runs
+    certificate  exhaustive search of some tasks, compared with their labels (after `gaitflow label`)
+    faults     kill -9 of workers and runs: is the dataset the same?
     hostile    thousands of damaged maps, configurations, datasets, map.bin (or --tasks of each; needs g++)
     store      planning, resuming, checking and packing 10^3 to 10^5 units (or --tasks)
     overhead   what handing out a unit costs, and start-up to the first solve
-    speedup    two workers over one on the same units, here or with --profile on Slurm
+    speedup    two workers compared with one on the same units, here or with --profile on Slurm
     Example: gaitflow bench select --scenario quickstart
     """
     from rich.console import Console

@@ -19,7 +19,9 @@ from gaitflow.pipeline.workspace import Workspace
 @json_option
 @click.pass_obj
 def status(workspace: Workspace, scenario: str, as_json: bool) -> None:
-    """Say how far the run of SCENARIO is: while it runs, after it, and without it.
+    """Say how far the run of SCENARIO is.
+
+    It works while the run is on, after it, and on another machine that sees the folder.
 
     \b
     Example: gaitflow status quickstart --json
@@ -55,7 +57,9 @@ def status(workspace: Workspace, scenario: str, as_json: bool) -> None:
 @json_option
 @click.pass_obj
 def validate(workspace: Workspace, scenario: str, as_json: bool) -> None:
-    """Check the file of SCENARIO and say what it asks for, how many solves, and about how long they take.
+    """Check the file of SCENARIO and say what it asks for.
+
+    Also says how many solves it needs, and about how long they take.
 
     \b
     Example: gaitflow validate configs/scenarios/quickstart.yaml
@@ -82,7 +86,9 @@ def validate(workspace: Workspace, scenario: str, as_json: bool) -> None:
 @click.argument("path", type=PUBLISHED)
 @json_option
 def verify(path: Path, as_json: bool) -> None:
-    """Check a published model or dataset (a version's folder) whole: digests, contents, motions.
+    """Check a published map or dataset.
+
+    PATH is the folder of a version. All of it is checked: digests, contents and motions.
 
     \b
     Example: gaitflow verify models/quickstart/1.0.0

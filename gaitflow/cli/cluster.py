@@ -19,7 +19,7 @@ profile_option = click.option(
     "profile_file",
     required=True,
     callback=found_profile,
-    help="The cluster and how much of it to use: a profile's file, or the name of one that ships.",
+    help="The profile of the cluster: its file, or the name of one that ships.",
 )
 
 
@@ -30,10 +30,11 @@ profile_option = click.option(
 @json_option
 @click.pass_obj
 def submit(workspace: Workspace, scenario: str, profile_file: Path, dry_run: bool, as_json: bool) -> None:
-    """Make the map of SCENARIO on a cluster: submit a driver, which keeps its workers in the queue.
+    """Make the map of SCENARIO on a cluster.
 
-    Log out if you like; `gaitflow status` says how far it is. Whatever ends the driver or its workers, what is solved
-    is kept, and submitting once more goes on from there.
+    This submits a driver job, which keeps its workers in the queue. You may log out; `gaitflow status` says how far
+    the run is. Whatever ends the driver or its workers, what is solved is kept, and another `submit` goes on from
+    there.
 
     \b
     Example: gaitflow submit quickstart --profile slurm/profiles/centre-48h.yaml --dry-run
@@ -73,7 +74,9 @@ def submit(workspace: Workspace, scenario: str, profile_file: Path, dry_run: boo
 @json_option
 @click.pass_obj
 def cancel(workspace: Workspace, scenario: str, as_json: bool) -> None:
-    """End all jobs of the run of SCENARIO, and no others. What is solved is kept.
+    """End all jobs of the run of SCENARIO, and no others.
+
+    What is solved is kept.
 
     \b
     Example: gaitflow cancel quickstart
@@ -98,11 +101,15 @@ def cancel(workspace: Workspace, scenario: str, as_json: bool) -> None:
 
 @click.command()
 @profile_option
-@click.option("--wait", default=600.0, show_default=True, type=click.FloatRange(1), help="For the job to start [s].")
+@click.option(
+    "--wait", default=600.0, show_default=True, type=click.FloatRange(1), help="How long the job may take to start [s]."
+)
 @json_option
 @click.pass_obj
 def doctor(workspace: Workspace, profile_file: Path, wait: float, as_json: bool) -> None:
-    """Check that the cluster of a profile can do what a run needs, with one tiny job, and say what is wrong.
+    """Check with one tiny job whether a cluster can do what a run needs.
+
+    Each fault is one line that also says what to do.
 
     \b
     Example: gaitflow doctor --profile slurm/profiles/centre-48h.yaml

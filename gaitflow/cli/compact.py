@@ -18,9 +18,10 @@ if TYPE_CHECKING:
 @json_option
 @click.pass_obj
 def compact(workspace: Workspace, scenario: str, as_json: bool) -> None:
-    """Move the solved units of SCENARIO, a small file each, into a few large files.
+    """Move the small files of a run into a few large ones.
 
-    For file systems that count files. Solved units stay solved; the run may go on afterwards, or meanwhile.
+    Each solved unit of SCENARIO is a small file; use this where the number of files is limited. Solved units stay
+    solved. The run may go on afterwards, or meanwhile.
 
     \b
     Example: gaitflow compact quickstart

@@ -24,10 +24,11 @@ def datasets() -> None:
 @click.option("--output", required=True, type=click.Path(file_okay=False, path_type=Path), help="The folder to write.")
 @json_option
 def describe(dataset: Path, output: Path, as_json: bool) -> None:
-    """Copy DATASET (a version's folder or its parent) into a folder that others can find, cite, load and make again.
+    """Copy a dataset with all that others need to use it.
 
-    With its tables come a card (which the Hugging Face hub reads), Croissant metadata, a Workflow Run Crate, and the
-    workflow that makes it again. The published version stays as it is.
+    DATASET is the folder of a version, or its parent. With its tables the folder gets a card (which the Hugging Face
+    hub reads), Croissant metadata, a Workflow Run Crate, and the workflow that makes the dataset again. The published
+    version stays as it is.
 
     \b
     Example: gaitflow datasets describe datasets/anymal-energy --output anymal-energy-1.0.0

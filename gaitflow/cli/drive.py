@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gaitflow.cli.errors import bad_input, fail, print_json, refused_artifact
-from gaitflow.cli.options import PUBLISHED, json_option
+from gaitflow.cli.options import json_option, map_argument
 from gaitflow.cli.walk import VIDEOS
 from gaitflow.config.file import ConfigError
 
@@ -21,32 +21,35 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("artifact", type=PUBLISHED)
-@click.option("--top", default=1.2, show_default=True, type=click.FloatRange(0, min_open=True), help="m/s.")
-@click.option("--seconds", default=60.0, show_default=True, type=click.FloatRange(5, 3600), help="Of the whole drive.")
+@map_argument
+@click.option("--top", default=1.2, show_default=True, type=click.FloatRange(0, min_open=True), help="Top speed [m/s].")
 @click.option(
-    "--noise", default=0.02, show_default=True, type=click.FloatRange(0, 1), help="Of the command, m/s each tick."
+    "--seconds", default=60.0, show_default=True, type=click.FloatRange(5, 3600), help="Duration of the drive [s]."
 )
-@click.option("--seed", default=0, show_default=True)
+@click.option(
+    "--noise", default=0.02, show_default=True, type=click.FloatRange(0, 1), help="Noise of the command [m/s]."
+)
+@click.option("--seed", default=0, show_default=True, help="Seed of the noise.")
 @click.option(
     "--urdf",
     type=click.Path(dir_okay=False, path_type=Path),
-    help="The robot's URDF, where it is not the one of example-robot-data that it was imported from.",
+    help="The robot's URDF; needed when the robot was not imported from example-robot-data.",
 )
 @click.option(
     "--video",
     type=click.Path(dir_okay=False, path_type=Path),
-    help="Write the drive: an .html page that moves, or a .png with speeds and gaits over time.",
+    help="Write an animated .html page, or a .png with speeds and gaits over time.",
 )
 @json_option
 def drive(
     artifact: Path, top: float, seconds: float, noise: float, seed: int, urdf: Path | None, video: Path | None,
     as_json: bool,
 ) -> None:  # fmt: skip
-    """Drive the robot of the map ARTIFACT from a stand up to a top speed and back, in MuJoCo.
+    """Drive a robot in MuJoCo from a stand to a top speed and back.
 
-    Only the speed is commanded: gait and cycle duration are the map's choice, asked for 50 times a second with noise,
-    and the robot changes by planned transitions. Exit code 1 says that it fell.
+    MAP is the folder of a version, or its parent. Only the speed is commanded, with noise. 50 times a second the map
+    chooses gait and cycle duration, and planned transitions lead from one to the next. Exit code 1 means that the
+    robot fell.
 
     \b
     Example: gaitflow drive models/anymal-energy --video drive.png

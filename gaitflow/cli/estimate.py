@@ -11,14 +11,15 @@ from gaitflow.pipeline.workspace import Workspace
 
 @click.command()
 @scenario_argument
-@click.option("--units", default=4, show_default=True, type=click.IntRange(1), help="How many are solved for it.")
+@click.option("--units", default=4, show_default=True, type=click.IntRange(1), help="How many units to solve.")
 @workers_option
 @json_option
 @click.pass_obj
 def estimate(workspace: Workspace, scenario: str, units: int, workers: int, as_json: bool) -> None:
-    """Solve some units of SCENARIO on this machine and say how many CPU hours the others will take.
+    """Say how many CPU hours the map of SCENARIO will take.
 
-    They are spread over the tasks, and stored: whatever makes the map later does not solve them again.
+    Some of its units, spread over the tasks, are solved on this machine. They are stored, so they are not solved again
+    when the map is made.
 
     \b
     Example: gaitflow estimate quickstart --units 4

@@ -11,7 +11,7 @@ from gaitflow.cli.options import PUBLISHED, json_option
 
 
 @click.command()
-@click.argument("model", type=PUBLISHED)
+@click.argument("model", metavar="MAP", type=PUBLISHED)
 @click.option(
     "--c",
     "folder",
@@ -22,7 +22,9 @@ from gaitflow.cli.options import PUBLISHED, json_option
 @click.option("--trust-code", is_flag=True, help="Run the code that maps of formats 1 and 2 hold as their problem.")
 @json_option
 def export(model: Path, folder: Path, trust_code: bool, as_json: bool) -> None:
-    """Write MODEL (a version's folder or its parent) as C and data; docs/other-languages.md says how to use it.
+    """Write MAP as C, C++ and data for planners without Python.
+
+    MAP is the folder of a version, or its parent. docs/other-languages.md says how to use what is written.
 
     \b
     Example: gaitflow export models/quickstart --c quickstart-c

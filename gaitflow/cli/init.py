@@ -13,7 +13,9 @@ from gaitflow.pipeline.new_workspace import new_workspace
 @click.command()
 @click.argument("folder", type=click.Path(file_okay=False, path_type=Path))
 def init(folder: Path) -> None:
-    """Make FOLDER a workspace: a scenario and a robot to change, a README, a .gitignore.
+    """Make FOLDER a workspace for maps.
+
+    It gets a scenario and a robot to change, a README and a .gitignore.
 
     \b
     Example: gaitflow init my-maps

@@ -25,11 +25,12 @@ ADDED = ("cost_error", "resolved")  # of labels older than these, nothing is kno
 @json_option
 @click.pass_obj
 def labels(workspace: Workspace, folder: Path, as_json: bool) -> None:
-    """Print the labels of FOLDER, a published dataset or map (a version's folder or its parent) or a labels file.
+    """Print the best gait of each task of a dataset or map.
 
-    Of a map they are those it was learnt from; where that dataset is not at hand, what the map itself predicts on its
-    grid. With --json: a list of objects with the task's axes, gait, pattern, cost, margin and runner_up; cost_error is
-    the relative error of both costs by a finer mesh, resolved whether the margin exceeds it.
+    FOLDER is a published dataset or map (the folder of a version, or its parent) or a labels file. For a map the labels
+    are those it was learnt from. If that dataset is not at hand, they are what the map predicts on its own grid. With
+    --json: a list of objects with the task's axes, gait, pattern, cost, margin and runner_up. cost_error is the
+    relative error of both costs by a finer mesh; resolved says whether the margin exceeds it.
 
     \b
     Example: gaitflow labels datasets/quickstart/1.0.0 --json

@@ -61,11 +61,11 @@ class Interruptible(click.Group):
     "--root",
     default=".",
     type=click.Path(path_type=Path),
-    help="The workspace: its configs/ come before what ships; runs/, datasets/ and models/ grow in it.",
+    help="The workspace: its configs/ are searched before those that ship; runs/, datasets/ and models/ are in it.",
 )
 @click.pass_context
 def main(context: click.Context, root: Path) -> None:
-    """Learn which gait a legged robot should use, and hand the answer to its planner.
+    """Find which gait a legged robot should use, and plan its motion.
 
     \b
     Example: gaitflow run quickstart

@@ -24,7 +24,7 @@ SHOWN = 10  # disagreements, the dearest
 
 @click.group()
 def models() -> None:
-    """Say which maps are published, and where two of them disagree.
+    """List published maps, or compare two of them.
 
     \b
     Example: gaitflow models list
@@ -35,7 +35,9 @@ def models() -> None:
 @json_option
 @click.pass_obj
 def list_models(workspace: Workspace, as_json: bool) -> None:
-    """List every published version: its robot, axes, gaits, dataset, and how good its picks are on held-out tasks.
+    """List every published version of every map.
+
+    For each: robot, axes, gaits, dataset, and how good its picks are on held-out tasks.
 
     \b
     Example: gaitflow models list
@@ -85,9 +87,10 @@ def _row(manifest: Manifest, folder: Path) -> dict[str, Any]:
 @click.argument("second", type=PUBLISHED)
 @json_option
 def diff(first: Path, second: Path, as_json: bool) -> None:
-    """Say where the maps FIRST and SECOND (a version's folder or its parent) take different gaits, and at what cost.
+    """Say where two maps choose different gaits, and what that costs.
 
-    They are asked at the grid tasks of both. What the other's gait costs more is predicted by each map's own atlas.
+    FIRST and SECOND are folders of versions, or their parents. Both maps are asked at the grid tasks of both. Each
+    map's own atlas predicts how much more the other map's gait costs.
 
     \b
     Example: gaitflow models diff models/anymal-flat-vibration/1.1.0 models/anymal-flat-vibration/1.2.0

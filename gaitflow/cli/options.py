@@ -57,14 +57,17 @@ def found_profile(context: click.Context, parameter: click.Parameter, name: str 
     return known[name]
 
 
+map_argument = click.argument("artifact", metavar="MAP", type=PUBLISHED)
 profile_option = click.option(
     "--profile",
     "profile_file",
     envvar=PROFILE,
     callback=found_profile,
-    help="Solve on the jobs of a cluster instead: a profile's file, or the name of one that ships.",
+    help="Solve by jobs of this cluster instead: a profile's file, or the name of one that ships.",
 )
-workers_option = click.option("--workers", default=2, show_default=True, type=click.IntRange(1, 1024))
+workers_option = click.option(
+    "--workers", default=2, show_default=True, type=click.IntRange(1, 1024), help="Processes that solve."
+)
 
 
 def task_options(command: Command) -> Command:

@@ -16,9 +16,10 @@ from gaitflow.pipeline.workspace import Workspace
 @json_option
 @click.pass_obj
 def paper(workspace: Workspace, folder: Path, as_json: bool) -> None:
-    """Draw the paper's Fig. 4 to 10 into FOLDER, from published datasets and maps: nothing is solved.
+    """Draw figures 4 to 10 of the paper into FOLDER.
 
-    Each figure twice: by the paper's forward Euler, and by exact motion. docs/reproduce.md says which is which.
+    They are drawn from published datasets and maps; nothing is solved. Each figure is drawn twice: by the paper's
+    forward Euler, and by exact motion. docs/reproduce.md says which is which.
 
     \b
     Example: gaitflow paper figures

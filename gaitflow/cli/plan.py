@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gaitflow.cli.errors import bad_input, fail, print_json, refused_artifact
-from gaitflow.cli.options import PUBLISHED, json_option, task_options
+from gaitflow.cli.options import json_option, map_argument, task_options
 from gaitflow.core.task import AXES
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ PLAN_KEYS = (
 
 
 @click.command()
-@click.argument("artifact", type=PUBLISHED)
+@map_argument
 @task_options
 @click.option("--gait", help="Plan this gait of the map instead of the cheapest.")
 @click.option(
@@ -33,7 +33,7 @@ PLAN_KEYS = (
     type=click.Choice(["second", "metre"]),
     default="second",
     show_default=True,
-    help="What the cost of an axis that is left out is counted over.",
+    help="Choose an axis that is left out by cost per second or per metre.",
 )
 @click.option("--beyond", is_flag=True, help="Plan also outside the map's domain; the motion is checked all the same.")
 @click.option("--trust-code", is_flag=True, help="Run the code that maps of formats 1 and 2 hold as their problem.")
@@ -47,10 +47,11 @@ def plan(
     trust_code: bool,
     as_json: bool,
 ) -> None:
-    """Ask the map ARTIFACT for a gait and refine it into a feasible motion.
+    """Choose a gait from MAP and plan its motion.
 
-    ARTIFACT is a version's folder or its parent (the newest version then). A task needs a value on every axis that the
-    map ranges over, speed and cycle duration on most. Of these one may be left out: the map chooses the cheapest.
+    MAP is the folder of a version, or its parent; then the newest version is taken. A task needs a value on every axis
+    of the map, on most maps speed and cycle duration. You may leave out one axis of the command; the map then takes the
+    value that costs least.
 
     \b
     Example: gaitflow plan models/quickstart --speed 0.9 --cycle 0.6 --json

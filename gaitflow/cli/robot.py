@@ -17,7 +17,7 @@ from gaitflow.urdf.description import label_of
 
 @click.group()
 def robot() -> None:
-    """Robots from their URDF.
+    """Import robots from their URDF.
 
     \b
     Example: gaitflow robot import anymal.urdf --name anymal_b --feet LF_FOOT,RF_FOOT,LH_FOOT,RH_FOOT
@@ -28,24 +28,32 @@ def robot() -> None:
 @click.argument("urdf", type=click.Path(path_type=Path))
 @click.option("--name", required=True, help="What scenarios call the robot: lower case letters, digits and _.")
 @click.option("--feet", required=True, help="Links that touch the ground, in the order of the legs: A,B,C,D.")
-@click.option("--legs", help="Names of the legs for gait diagrams.  [default: LF,RF,LH,RH]")
-@click.option("--pose", help="A group_state of the SRDF or JOINT=RAD,...  [default: standing or half_sitting]")
-@click.option("--srdf", type=click.Path(path_type=Path), help="Default: beside the URDF or in ../srdf.")
+@click.option("--legs", help="Names of the legs.  [default: LF,RF,LH,RH]")
+@click.option("--pose", help="A group_state of the SRDF, or JOINT=RAD,...  [default: standing or half_sitting]")
+@click.option(
+    "--srdf", type=click.Path(path_type=Path), help="The robot's SRDF.  [default: beside the URDF or in ../srdf]"
+)
 @click.option("--inertia", type=click.Choice(["composite", "base"]), default="composite", show_default=True,
-              help="Of the whole robot in that pose, or of the base link alone.")  # fmt: skip
+              help="Inertia of the whole robot in that pose, or of the base link alone.")  # fmt: skip
 @click.option("--box", help="Half lengths X,Y,Z [m] of every foot's box.  [default: what the legs reach]")
 @click.option("--max-force", type=float, help="Normal force of a foot [N].  [default: from effort limits]")
-@click.option("--max-foot-speed", type=float, help="Along each axis [m/s].  [default: from velocity limits]")
-@click.option("--max-tilt", type=float, default=0.5, show_default=True, help="Of the base along each angle [rad].")
+@click.option(
+    "--max-foot-speed",
+    type=float,
+    help="Largest speed of a foot along each axis [m/s].  [default: from velocity limits]",
+)
+@click.option(
+    "--max-tilt", type=float, default=0.5, show_default=True, help="Largest tilt of the base along each angle [rad]."
+)
 @click.option("--output", type=click.Path(dir_okay=False, path_type=Path),
-              help="Written over if there.  [default: configs/robots/NAME.yaml, when new]")  # fmt: skip
+              help="File to write or overwrite.  [default: configs/robots/NAME.yaml, if it is new]")  # fmt: skip
 @json_option
 @click.pass_obj
 def import_(workspace: Workspace, /, urdf: Path, output: Path | None, as_json: bool, **options: Any) -> None:
-    """Write the robots YAML of a legged robot that URDF describes; meshes are not needed.
+    """Write the YAML file of a legged robot from its URDF.
 
-    Mass, inertia, default feet and limits come from the URDF, in a pose. The kinematic box is checked against what
-    the legs reach, and the body is made exactly left-right symmetric; what was changed is said.
+    Mass, inertia, default feet and limits come from the URDF, in a pose; meshes are not needed. The kinematic box is
+    checked against the reach of the legs. The body is made exactly left-right symmetric. Every change is printed.
 
     \b
     Example: gaitflow robot import anymal.urdf --name anymal_b --feet LF_FOOT,RF_FOOT,LH_FOOT,RH_FOOT

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 @click.option(
     "--output",
     type=click.Path(dir_okay=False, path_type=Path),
-    help="Write an animation: an HTML file, or a GIF if named so.",
+    help="Write an animation: an .html page or a .gif.",
 )
 @click.option("--strip", type=click.Path(dir_okay=False, path_type=Path), help="Write snapshots: one PNG file.")
 @json_option
@@ -35,10 +35,11 @@ def show(
     strip: Path | None,
     as_json: bool,
 ) -> None:
-    """Show a motion of FOLDER, a published map or dataset (a version's folder or its parent) or a run.
+    """List the gaits of a task by cost, or draw a motion.
 
-    A dataset is asked for the nearest stored task, a map plans the task itself. With --output or --strip, draw a
-    motion; without, list the gaits by cost.
+    FOLDER is a published map or dataset (the folder of a version, or its parent) or a run. A map plans the task; of a
+    dataset or a run the nearest stored task is taken. With --output or --strip a motion is drawn, without them the
+    gaits are listed.
 
     \b
     Example: gaitflow show datasets/quickstart/1.0.0 --speed 0.9 --cycle 0.6 --output motion.html --strip motion.png

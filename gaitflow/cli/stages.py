@@ -25,9 +25,11 @@ from gaitflow.runtime.remote import local_folder
 @click.option("--dry-run", is_flag=True, help="Say which stages would run, and run none.")
 @click.pass_obj
 def run(workspace: Workspace, scenario: str, workers: int, profile_file: Path | None, dry_run: bool) -> None:
-    """Do all stages of SCENARIO that are not up to date: solve, label, train, publish, report.
+    """Make the map of SCENARIO, from solving to the report.
 
-    With --profile the workers that solve are jobs of a cluster; the other stages run here.
+    The stages are solve, label, atlas, train, publish, report; those that are up to date are left out. With --profile
+    the workers that solve are jobs of a cluster; the other stages run here. Stop it with Ctrl-C; the same command goes
+    on where it stopped.
 
     \b
     Example: gaitflow run quickstart
@@ -65,10 +67,10 @@ def run(workspace: Workspace, scenario: str, workers: int, profile_file: Path | 
 @profile_option
 @click.pass_obj
 def solve(workspace: Workspace, scenario: str, workers: int, profile_file: Path | None) -> None:
-    """Solve every task of SCENARIO that is not stored yet, on WORKERS processes of this machine.
+    """Solve every task of SCENARIO that is not stored yet.
 
-    With --profile the workers are jobs of a cluster, driven from here. Stop it with Ctrl-C; the same command goes on
-    where it stopped.
+    The workers are processes of this machine; with --profile they are jobs of a cluster, driven from here. Stop it
+    with Ctrl-C; the same command goes on where it stopped.
 
     \b
     Example: gaitflow solve quickstart --workers 2
@@ -114,7 +116,10 @@ def label(workspace: Workspace, scenario: str) -> None:
 @json_option
 @click.pass_obj
 def atlas(workspace: Workspace, scenario: str, as_json: bool) -> None:
-    """Solve SCENARIO's gaits at many tasks between those of its grid, so that plans start from a prediction.
+    """Build the atlas of SCENARIO.
+
+    The atlas predicts costs, and starts of plans. It has solved tasks of every gait; this command solves many of them
+    between those of the grid.
 
     \b
     Example: gaitflow atlas quickstart
@@ -135,11 +140,13 @@ def atlas(workspace: Workspace, scenario: str, as_json: bool) -> None:
 
 @click.command()
 @scenario_argument
-@click.option("--constant", is_flag=True, help="Where all tasks have one gait, make the constant map of it.")
+@click.option("--constant", is_flag=True, help="Accept that all tasks have the same gait; the map is constant then.")
 @json_option
 @click.pass_obj
 def train(workspace: Workspace, scenario: str, constant: bool, as_json: bool) -> None:
-    """Train and cross-validate the classifiers of SCENARIO and keep the best by the stated rule.
+    """Train the classifiers of SCENARIO and keep the best.
+
+    They are compared by cross-validation; the output states the rule.
 
     \b
     Example: gaitflow train quickstart
@@ -167,13 +174,14 @@ def train(workspace: Workspace, scenario: str, constant: bool, as_json: bool) ->
 @click.command()
 @scenario_argument
 @click.option("--version", help="Publish under this version, such as 1.0.0; by default the next free one.")
-@click.option("--force", is_flag=True, help="Publish also a map beyond its scenario's limits; its card says so.")
+@click.option("--force", is_flag=True, help="Publish even a map beyond its scenario's limits; its card says so.")
 @json_option
 @click.pass_obj
 def publish(workspace: Workspace, scenario: str, version: str | None, force: bool, as_json: bool) -> None:
-    """Publish the dataset and the map of SCENARIO as a version that never changes.
+    """Publish the dataset and the map of SCENARIO.
 
-    A map whose regret, infeasible picks or certificate are beyond the limits of its scenario is refused.
+    A published version never changes. A map whose regret, infeasible picks or certificate are beyond the limits of its
+    scenario is refused.
 
     \b
     Example: gaitflow publish quickstart
@@ -194,19 +202,22 @@ def publish(workspace: Workspace, scenario: str, version: str | None, force: boo
 @click.command()
 @click.argument("scenario", required=False)
 @click.option(
-    "--output", type=click.Path(file_okay=False, path_type=Path), help="Of a published folder: draw it there."
+    "--output",
+    type=click.Path(file_okay=False, path_type=Path),
+    help="Where the report of a published folder goes.",
 )
 @click.option("--claims", is_flag=True, help="Measure the paper's statements of section IV.A on the published labels.")
-@click.option("--exact-motion", is_flag=True, help="Write docs/results/exact-motion.md: Euler's maps beside the exact.")
+@click.option("--exact-motion", is_flag=True, help="Write docs/results/exact-motion.md: maps of Euler and exact ones.")
 @json_option
 @click.pass_obj
 def report(
     workspace: Workspace, scenario: str | None, output: Path | None, claims: bool, exact_motion: bool, as_json: bool
 ) -> None:
-    """Draw the map of SCENARIO, its gaits and motions, as PNG and one HTML page; or check the paper's claims.
+    """Draw the report of a map, or check the paper's claims.
 
-    SCENARIO is one that was run here, or the folder of a published map or dataset: then nothing is solved, and the
-    report is drawn in runs/<scenario>/report-<version>.
+    The report has the map, its gaits and motions, as PNG files and one HTML page. SCENARIO is one that was run here, or
+    the folder of a published map or dataset. For a folder nothing is solved, and the report goes to
+    runs/<scenario>/report-<version>.
 
     \b
     Example: gaitflow report quickstart

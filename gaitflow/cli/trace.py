@@ -20,16 +20,16 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.argument("model", type=PUBLISHED)
+@click.argument("model", metavar="MAP", type=PUBLISHED)
 @task_options
 @json_option
 @click.pass_obj
 def trace(workspace: Workspace, model: Path, axes: dict[str, Any], as_json: bool) -> None:
-    """Say where an answer of MODEL (a version's folder or its parent) comes from.
+    """Say which solves, commit and machine an answer of MAP comes from.
 
-    Told are the map's gaits by predicted cost with the solved tasks of its atlas that are nearest; of the dataset that
-    it was learnt from the solves between which the nearest task's label decided; commit and machine of both. Without
-    a task, only what made the map and its dataset.
+    MAP is the folder of a version, or its parent. The command prints the gaits by predicted cost, each with the nearest
+    node of the atlas; then the solves that decided the label of the nearest task in the map's dataset; and commit and
+    machine of both. Without a task it prints only what made the map and its dataset.
 
     \b
     Example: gaitflow trace models/half-cheetah-exact-slopes --speed 0.9 --cycle 0.6 --slope 8

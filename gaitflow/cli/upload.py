@@ -13,10 +13,11 @@ from gaitflow.cli.errors import bad_input, fail, refused_artifact
 @click.argument("folder", type=click.Path(path_type=Path))
 @click.argument("address")
 def upload(folder: Path, address: str) -> None:
-    """Publish FOLDER, a map's or dataset's version (or the newest in a folder of them), below ADDRESS, too.
+    """Publish a map or dataset at an address as well.
 
-    ADDRESS is any that fsspec knows, such as s3://bucket/models. It becomes ADDRESS/<scenario>/<version>, which every
-    command takes in the place of a folder; each file is checked when it is loaded.
+    FOLDER is the folder of a version, or its parent; then the newest version is taken. ADDRESS is any that fsspec
+    knows, such as s3://bucket/models. The version goes to ADDRESS/<scenario>/<version>. Every command takes that
+    address instead of a folder, and checks each file when it loads it.
 
     \b
     Example: gaitflow upload models/anymal-energy s3://my-bucket/models

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gaitflow.cli.errors import bad_input, fail, print_json, refused_artifact
-from gaitflow.cli.options import PUBLISHED, json_option, task_options
+from gaitflow.cli.options import json_option, map_argument, task_options
 from gaitflow.cli.plan import plan_data
 from gaitflow.config.file import ConfigError
 
@@ -24,29 +24,30 @@ VIDEOS = (".html", ".png")
 
 
 @click.command()
-@click.argument("artifact", type=PUBLISHED)
+@map_argument
 @task_options
 @click.option("--gait", help="Walk in this gait of the map instead of the cheapest.")
 @click.option(
     "--urdf",
     type=click.Path(dir_okay=False, path_type=Path),
-    help="The robot's URDF, where it is not the one of example-robot-data that it was imported from.",
+    help="The robot's URDF; needed when the robot was not imported from example-robot-data.",
 )
 @click.option("--cycles", default=10, show_default=True, type=click.IntRange(1, 1000), help="Measured cycles.")
 @click.option(
     "--video",
     type=click.Path(dir_okay=False, path_type=Path),
-    help="Write the walk to watch: an .html page that moves, or a .png with poses in a row.",
+    help="Write an animated .html page, or a .png with poses in a row.",
 )
 @json_option
 def walk(
     artifact: Path, axes: dict[str, Any], gait: str | None, urdf: Path | None, cycles: int, video: Path | None,
     as_json: bool,
 ) -> None:  # fmt: skip
-    """Plan from the map ARTIFACT and walk in MuJoCo, with all of the robot's joints.
+    """Plan a motion from MAP and simulate the whole robot in MuJoCo.
 
-    The controller follows the plan's body and swings, with contact forces from a quadratic program. Two cycles go
-    before the measured ones. Exit code 1 says that the robot fell, or that it did not go and turn as commanded.
+    MAP is the folder of a version, or its parent. The controller follows the plan's body and swings, with contact
+    forces from a quadratic program. The first two cycles are not measured. Exit code 1 means that the robot fell, or
+    did not move as commanded.
 
     \b
     Example: gaitflow walk models/anymal-exact-vibration --speed 0.6 --cycle 0.6 --video walk.html
