@@ -1,6 +1,6 @@
 """From grown nodes to the atlas that is published: points and tangents along the modes that matter most.
 
-Every full pattern has modes of its own. Which of them are kept is decided for all at once: those that tell most about
+Every pattern has modes of its own. Which of them are kept is decided for all at once: those that tell most about
 all nodes, until the atlas has the size that it may have.
 """
 
@@ -33,7 +33,7 @@ BESIDE = 1.01  # steps: nodes that are further apart are no neighbours
 def build_atlas(growth: Growth, gaits: Sequence[int], largest: int | None = None) -> Atlas:
     """The atlas of the growth's nodes, of at most `largest` bytes or little more where even few modes need more.
 
-    `gaits` are the numbers of the gaits that its full patterns realise; patterns without a node have no sheet. Equal
+    `gaits` are the numbers of the gaits that its patterns realise; patterns without a node have no sheet. Equal
     nodes give an equal atlas.
     """
     numbers = [number for number, nodes in enumerate(growth.nodes) if nodes]

@@ -32,7 +32,7 @@ APART = 0.5  # in the problem's scaled variables: how far it must be from the mo
 
 @dataclass
 class Growth:
-    """Nodes by full pattern and place inside the domain, and the least cost that is known at each place."""
+    """Nodes by pattern and place inside the domain, and the least cost that is known at each place."""
 
     problem: GaitProblem
     solver: NodeSolver
@@ -176,7 +176,7 @@ def grow(
     domain: Domain,
     on_node: Callable[[int], None] = lambda nodes: None,
 ) -> Growth:
-    """Nodes of full patterns at the tasks of the grid inside the domain; equal arguments, equal nodes.
+    """Nodes of patterns at the tasks of the grid inside the domain; equal arguments, equal nodes.
 
     `on_node` hears how many nodes there are.
     """

@@ -47,7 +47,7 @@ class Node:
 
 
 class NodeSolver:
-    """Solves nodes of full patterns, called by their numbers, at places on the scenario's axes with a range."""
+    """Solves nodes of patterns, called by their numbers, at places on the scenario's axes with a range."""
 
     def __init__(self, problem: GaitProblem, patterns: Sequence[Pattern]) -> None:
         self.patterns: tuple[Pattern, ...] = ()

@@ -1,6 +1,6 @@
-"""Which full patterns an atlas has sheets of: as few as are the best of their gait wherever it matters.
+"""Which patterns get a sheet in an atlas: as few as possible that are the best of their gait wherever it matters.
 
-Several full patterns realise a gait (AABC, ABBC, ABCC), and which of them costs least depends on the task.
+A gait may have several patterns (AABC, ABBC, ABCC), and which of them costs least depends on the task.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def full_patterns(
     symmetry: Symmetry,
     taken: Collection[str] = (),
 ) -> dict[str, str]:
-    """Full patterns and the gaits that they realise, of the `gaits` only, sorted by gait.
+    """Patterns and the gaits that they realise, of the `gaits` only, sorted by gait.
 
     `solutions` are the scalars of the dataset, `costs` the frame of `gaitflow.dataset.labels.gait_costs`. At every task
     that is not held out where a gait matters one of its patterns is at most `tolerance` (relative) dearer than its best

@@ -2,7 +2,7 @@
 
 A scenario file is data: it names a robot, an objective, a transcription, the axes of its tasks (the terrain's slope and
 friction among them), a search strategy and learning settings. `load_scenario` resolves the robot's name to its
-parameters, so that a `Scenario` is complete: its JSON is all that a worker, a dataset or an artifact needs to know.
+parameters, so that a `Scenario` is complete: its JSON is all that a worker, a dataset or a map needs to know.
 """
 
 from __future__ import annotations

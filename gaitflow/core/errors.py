@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class ArtifactError(RuntimeError):
-    """An artifact that cannot be used: names the file, what is wrong with it, and the way out."""
+    """A map or dataset that cannot be used: names the file, what is wrong with it, and the way out."""
 
 
 class OutOfDomain(ValueError):

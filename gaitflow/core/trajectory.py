@@ -1,4 +1,4 @@
-"""A motion plan as arrays: the one shape that solvers, datasets, artifacts and planners share."""
+"""A motion plan as arrays: the one shape that solvers, datasets, maps and planners share."""
 
 from __future__ import annotations
 

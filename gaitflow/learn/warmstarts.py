@@ -27,7 +27,7 @@ class WarmStart:
     """
 
     gait: str
-    pattern: str  # full pattern that the means belong to
+    pattern: str  # pattern that the means belong to
     tasks: int  # how many solutions were averaged
     primal: Array  # [nw] decision vector w
     bounds: Array  # [nw] multipliers of the variable bounds, CasADi's signs
@@ -42,7 +42,7 @@ def region_means(
 ) -> tuple[WarmStart, ...]:
     """One warm start a gait that is the `label` of a grid task, sorted by gait.
 
-    A gait's region is the grid tasks with that label. Several full patterns realise the gait: taken is the one that is
+    A gait's region is the grid tasks with that label. A gait may have several patterns: taken is the one that is
     best at most tasks of the region (then the first as text), and averaged are its solutions at all tasks of the
     region. `pack(trajectory, cycle_duration, pattern)` gives the scaled decision vector [nw]. Solutions without
     trajectory or multipliers do not count, nor those of a pattern that is another gait elsewhere in the map, by the

@@ -32,7 +32,7 @@ MOVED = 0.01  # in the problem's scaled variables
 class RegionStart(Protocol):
     """Where the solver of one gait starts, in the scaled variables of its fixed-gait problem.
 
-    gait is its name, pattern its full pattern as text; primal [nw], and the multipliers of the bounds [nw] and of the
+    gait is its name, pattern its pattern as text; primal [nw], and the multipliers of the bounds [nw] and of the
     rows [ng] with CasADi's signs.
     """
 
@@ -131,7 +131,7 @@ def manifest_of(parts: Parts, files: Mapping[str, bytes], version: Version, crea
 
 
 def gait_key(problem: GaitProblem, pattern: str) -> str:
-    """The canonical text of the gait that a full pattern realises in a map."""
+    """The canonical text of the gait that a pattern realises in a map."""
     return gait_of(Pattern.from_text(pattern), map_symmetry(problem.scenario)).text
 
 

@@ -121,7 +121,7 @@ def _pattern(manifest: Manifest, gait: str) -> str:
 
 @dataclass(frozen=True)
 class _Keys:
-    """The canonical text of the gait that a full pattern realises, by the symmetry of one map."""
+    """The canonical text of the gait that a pattern realises, by the symmetry of one map."""
 
     symmetry: Symmetry
 

@@ -13,7 +13,7 @@ from gaitflow.runtime.artifact import Artifact
 
 @dataclass(frozen=True)
 class Known:
-    """A gait by one of its full patterns: its predicted cost, in the scenario's units, and the nearest node.
+    """A gait by one of its patterns: its predicted cost, in the scenario's units, and the nearest node.
 
     `node` has that node's values on the map's axes, `node_cost` its cost when it was solved.
     """

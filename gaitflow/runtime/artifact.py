@@ -1,4 +1,4 @@
-"""The files of an artifact that answer questions, read, checked against the manifest and put together."""
+"""The files of a map that answer questions: read, checked against the manifest, and put together."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Artifact:
     atlas: Atlas
 
     def pattern(self, gait: int, sheet: int | None) -> str:
-        """The full pattern of a gait by a sheet of the atlas, or of its region's mean when that is None."""
+        """The pattern of a gait by a sheet of the atlas, or of its region's mean when that is None."""
         return self.manifest.gaits[gait].pattern if sheet is None else self.atlas.sheets[sheet].pattern
 
 
@@ -43,7 +43,7 @@ def load_artifact(folder: Path) -> Artifact:
 
 
 def load_atlas(folder: Path, manifest: Manifest, rows: int) -> Atlas:
-    """The atlas of the artifact in `folder`, an empty one for a map of before there were any; `rows` of its problem.
+    """The atlas of the map in `folder`, an empty one for a map of before there were any; `rows` of its problem.
 
     Raises ArtifactError when it is damaged or does not fit the manifest.
     """

@@ -1,6 +1,6 @@
 """The atlas: solved tasks of every gait, from which costs and starts at any task between them are predicted.
 
-A sheet belongs to one full pattern of a gait. A node of it is a solved task: it holds the cost and the primal-dual
+A sheet belongs to one pattern of a gait. A node of it is a solved task: it holds the cost and the primal-dual
 point on the central path, as coordinates along the sheet's own modes, and the derivatives (tangents) of both with
 respect to the task. Nodes lie anywhere. A gait may have several sheets, as which phases it repeats may depend on the
 task.
@@ -42,7 +42,7 @@ LARGEST_LOG = 200.0  # of a cost, so that it and its products with stored number
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """One full pattern, "0110/1100", of the map's gait number `gait`: n nodes, k modes of ny numbers, on a axes.
+    """One pattern, "0110/1100", of the map's gait number `gait`: n nodes, k modes of ny numbers, on a axes.
 
     space: the bounds that impose the pattern. tasks [n, a]: places of the nodes, in the atlas' axes and their units.
     costs [n]: the problem's (scaled) cost at the optimum; slopes [n, a]: derivatives of its logarithm. A node's point,

@@ -26,7 +26,7 @@ class Classifier:
 
     def __init__(self, content: bytes, axes: int, gaits: int, where: str) -> None:
         if fault := graph_fault(content):
-            raise ArtifactError(f"{where}: {fault}; copy the artifact again or publish a new version")
+            raise ArtifactError(f"{where}: {fault}; copy the map again or publish a new version")
         options = ort.SessionOptions()
         # A query is a few microseconds of work: waking threads costs more than they save.
         options.intra_op_num_threads = 1
@@ -65,7 +65,7 @@ class Classifier:
         if not sound:
             raise ArtifactError(
                 f"{self._where}: its probabilities are not at least 0 with sum 1 at every task; "
-                "copy the artifact again or publish a new version"
+                "copy the map again or publish a new version"
             )
 
     def _run(self, tasks: NDArray[np.float32], options: ort.RunOptions | None = None) -> NDArray[np.float32]:

@@ -1,4 +1,4 @@
-"""Reading an artifact's files: sizes are known before a byte is read, digests before a byte is believed."""
+"""Reading a map's files: sizes are checked before a file is read, digests before its content is used."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ATLAS = "atlas.safetensors"
 PROBLEM_CHECK = "problem_check.safetensors"
 PROBLEM = "problem.casadi"  # of formats 1 and 2
 
-CONTENT = (CARD, CLASSIFIER, WARM_STARTS, ATLAS, PROBLEM_CHECK)  # every file of an artifact but the manifest
+CONTENT = (CARD, CLASSIFIER, WARM_STARTS, ATLAS, PROBLEM_CHECK)  # every file of a map but the manifest
 
 # Largest size of each file [bytes]: far above what a map needs, far below what a machine has.
 LIMITS = {
@@ -51,11 +51,11 @@ def read_limited(path: Path, limit: int) -> bytes:
         # Non-blocking, so that a pipe put in a file's place is refused below instead of waited for.
         descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
     except OSError as error:
-        raise ArtifactError(f"{path}: cannot be read ({error.strerror}); publish or copy the artifact again") from None
+        raise ArtifactError(f"{path}: cannot be read ({error.strerror}); publish or copy the map again") from None
     status = os.fstat(descriptor)
     if not stat.S_ISREG(status.st_mode):
         os.close(descriptor)  # `open` takes no descriptor of a folder
-        raise ArtifactError(f"{path}: not a regular file; copy the artifact again")
+        raise ArtifactError(f"{path}: not a regular file; copy the map again")
     with open(descriptor, "rb") as file:
         if status.st_size > limit:
             raise ArtifactError(f"{path}: {status.st_size} bytes; this file may have at most {limit}")
@@ -73,6 +73,6 @@ def read_checked_as(path: Path, entry: FileEntry) -> bytes:
     if entry_of(content) != entry:
         raise ArtifactError(
             f"{path}: its content is not what the manifest lists (SHA-256 or size differs): "
-            "the file is damaged or was edited; copy the artifact again or publish a new version"
+            "the file is damaged or was edited; copy the map again or publish a new version"
         )
     return content

@@ -67,7 +67,7 @@ class GaitMap:
 
     @property
     def manifest(self) -> Manifest:
-        """What the artifact says of itself: scenario, version, domain, metrics."""
+        """What the map says of itself: scenario, version, domain, metrics."""
         return self._artifact.manifest
 
     @property
@@ -157,7 +157,7 @@ class GaitMap:
         """A motion for one task, refined from a predicted start; needs gaitflow[solve].
 
         Tried first is the gait that `select` names; gaits that the atlas does not know at this task come last, by their
-        probability. If one does not refine to a feasible motion, by none of its full patterns that the atlas knows
+        probability. If one does not refine to a feasible motion, by none of its patterns that the atlas knows
         here, the next is tried, `top` gaits at most, and the plan says so. `gait` names the one gait that is tried
         instead of them. An axis that is left out is chosen as `select` does, for that gait. `beyond` plans outside the
         map's domain, too: what comes out is checked all the same, and a plan that is not feasible says so. Raises
@@ -271,7 +271,7 @@ class GaitMap:
         return row
 
     def _candidates(self, place: Array, probabilities: list[float]) -> list[Candidate]:
-        """Every gait, by each of its full patterns that the atlas knows here, in the order of choosing and trying.
+        """Every gait, by each of its patterns that the atlas knows here, in the order of choosing and trying.
 
         What the atlas knows by predicted cost, what it believes first; then the other gaits by probability.
         """

@@ -1,4 +1,4 @@
-"""Artifacts of formats 1 and 2, of when a task was a speed and a cycle duration and the problem was stored as code.
+"""Maps of formats 1 and 2, from when a task was a speed and a cycle duration and the problem was stored as code.
 
 They load and select as today's do. Their problem is a serialised CasADi function, and reading one is C++ code that
 trusts its input: whoever writes such a file can crash the process or run code in it. So it is only read, to plan, for
@@ -61,14 +61,14 @@ def manifest(data: Mapping[str, Any], where: str) -> Manifest:
 
 
 def stored_problem(folder: Path, described: Manifest, rows: int, trust_code: bool) -> Any:
-    """The problem of the artifact in `folder` as (w [nw], task [axes]) -> (cost [1], rows), the task being today's.
+    """The problem of the map in `folder` as (w [nw], task [axes]) -> (cost [1], rows), the task being today's.
 
     Raises ArtifactError for code that is not trusted, and for what is no such function; ImportError without CasADi.
     """
     path = folder / PROBLEM
     if not trust_code:
         raise ArtifactError(
-            f"{path}: an artifact of format {described.format} holds its problem as code, which runs in this process: "
+            f"{path}: a map of format {described.format} holds its problem as code, which runs in this process: "
             "if you trust who made it, load it with GaitMap.load(path, trust_code=True), or publish the map again; "
             "selecting needs no code"
         )

@@ -1,4 +1,4 @@
-"""What an artifact says of itself, as data; `manifest_file` reads it."""
+"""What a map says of itself, as data; `manifest_file` reads it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SELF_DIGEST = "manifest_sha256"
 
 @dataclass(frozen=True)
 class Gait:
-    """A gait of the map: display name, canonical text, and the full pattern that its problem imposes."""
+    """A gait of the map: display name, canonical text, and the pattern that its problem imposes."""
 
     name: str
     key: str

@@ -30,7 +30,7 @@ MAX_TASKS = 10_000_000
 
 
 def version(fields: Fields) -> Version:
-    """The artifact's version."""
+    """The map's version."""
     try:
         return Version.parse(fields.text("version"))
     except ValueError as error:

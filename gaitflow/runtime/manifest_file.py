@@ -43,21 +43,21 @@ def parse_manifest(content: bytes, where: str) -> Manifest:
     try:
         data = json.loads(content.decode("utf-8"))
     except (ValueError, RecursionError) as error:
-        raise ArtifactError(f"{where}: not JSON ({str(error)[:200]}); copy the artifact again") from None
+        raise ArtifactError(f"{where}: not JSON ({str(error)[:200]}); copy the map again") from None
     if not isinstance(data, dict):
         raise ArtifactError(f"{where}: expected an object, found {type(data).__name__}; this is no gaitflow artifact")
     found = data.get("format")
     if type(found) is int and found > FORMAT:
         raise ArtifactError(
-            f"{where}: the artifact has format {found}, this gaitflow reads format 1 to {FORMAT}: "
-            "update gaitflow, or use an artifact that this version published"
+            f"{where}: the map has format {found}, this gaitflow reads format 1 to {FORMAT}: "
+            "update gaitflow, or use a map that this version published"
         )
     if type(found) is not int or found < 1:
         raise ArtifactError(f"{where}: format = {str(found)[:80]!r}: this gaitflow reads format 1 to {FORMAT}")
     if not _is_encoded(data, content):
         raise ArtifactError(
             f"{where}: its content does not have the SHA-256 that it states: it is damaged or was edited; "
-            "copy the artifact again or publish a new version"
+            "copy the map again or publish a new version"
         )
     return legacy.manifest(data, where) if found < FORMAT else _manifest(Fields(data, where, _FIELDS))
 

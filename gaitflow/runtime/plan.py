@@ -1,6 +1,6 @@
 """A plan for one task: the gait that is predicted to cost least, refined; the next one when that fails.
 
-A gait may be realised by several full patterns, of which each has a prediction of its own and is a candidate.
+A gait may have several patterns. Each has a prediction of its own and is a candidate.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Plan(Trajectory):
     had to, "next:<n>" when the n-th gait after it was the first to refine, "cheaper:<n>" when that one was refined
     after another one, and costs less, "failed" when none of `tried` converged to a feasible motion: then the motion is
     the least infeasible one, and feasible all the same when only optimality was not reached. tried: gaits with their
-    outcomes, in order, a gait once for each of its full patterns that was tried. iterations over all tried.
+    outcomes, in order, a gait once for each of its patterns that was tried. iterations over all tried.
     distance: to the nearest training task, in steps of the map's grid. time_ms is wall time of the whole call;
     select_ms of choosing the gaits, predict_ms and refine_ms of their starts and solves. scenario is the map's, JSON
     data. chosen: what the value costs that was left to the map, None where all were given.

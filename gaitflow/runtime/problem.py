@@ -1,7 +1,7 @@
 """The map's problem, transcribed anew from its scenario; IPOPT for it, where the fast method does not converge.
 
-An artifact is data: it holds its scenario, and the values of its problem at three points. The installed gaitflow
-transcribes the scenario and has to find the same values there. Older artifacts hold code instead, see `legacy`.
+A map is data: it holds its scenario, and the values of its problem at three points. The installed gaitflow
+transcribes the scenario and has to find the same values there. Older maps hold code instead, see `legacy`.
 """
 
 from __future__ import annotations
@@ -74,9 +74,9 @@ class Problem:
 
 
 def load_problem(folder: Path, manifest: Manifest, rows: int, trust_code: bool = False) -> SeparableProblem:
-    """The problem (w [nw], task [axes]) -> (cost [1], rows [ng]) of the artifact in `folder`.
+    """The problem (w [nw], task [axes]) -> (cost [1], rows [ng]) of the map in `folder`.
 
-    `rows` is ng; `trust_code` allows to run the code in artifacts of formats 1 and 2.
+    `rows` is ng; `trust_code` allows to run the code in maps of formats 1 and 2.
     Raises ImportError without gaitflow[solve], ArtifactError when the problem cannot be had or is not the one that was
     published.
     """

@@ -1,8 +1,7 @@
 """problem_check.safetensors: what the map's problem was at a few points, to prove that the one rebuilt is the same.
 
-An artifact holds its scenario, not its problem: whoever plans transcribes the scenario anew by the gaitflow that is
-installed. Stored are three decision vectors w [3, nw], their tasks on named axes [3, a], and cost [3] and rows [3, ng]
-of the problem there.
+A map holds its scenario, not its problem: to plan, the installed gaitflow transcribes the scenario anew. The file has
+three decision vectors w [3, nw], their tasks on named axes [3, a], and cost [3] and rows [3, ng] of the problem there.
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ LEAST_COST = 1e-9
 
 @dataclass(frozen=True)
 class Attempt:
-    """One gait refined: what came out, for which full pattern, our own verdict on it, and what the solver said.
+    """One gait refined: what came out, for which pattern, our own verdict on it, and what the solver said.
 
     cost in the scenario's units; violation is the worst scaled one (gaitflow.core.check). method: "fast" or "fallback".
     iterations are Newton's and IPOPT's. predict_ms and refine_ms are wall times, checking included.

@@ -36,7 +36,7 @@ class Fields:
     def refuse_inner(self, name: str, fault: str) -> NoReturn:
         """Raise the error of what lies deeper in a field, `fault` being its place, its value and what it must be."""
         raise ArtifactError(
-            f"{self._where}.{name}.{fault}; copy the artifact again, or use the gaitflow that `code` in it names"
+            f"{self._where}.{name}.{fault}; copy the map again, or use the gaitflow that `code` in it names"
         )
 
     def text(self, name: str, longest: int = 200) -> str:

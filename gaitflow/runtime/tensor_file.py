@@ -30,11 +30,11 @@ class TensorFile:
             return cls(load(content), where)
         except (SafetensorError, KeyError, ValueError) as error:  # KeyError: an element type numpy does not have
             reason = str(error)[:200]
-            raise ArtifactError(f"{where}: not a safetensors file ({reason}); copy the artifact again") from None
+            raise ArtifactError(f"{where}: not a safetensors file ({reason}); copy the map again") from None
 
     def refuse(self, name: str, fault: str) -> NoReturn:
         """Raise the error of a tensor, or of a part of the file, that has a `fault`."""
-        raise ArtifactError(f"{self.where}: {name[:80]} {fault}; copy the artifact again or publish a new version")
+        raise ArtifactError(f"{self.where}: {name[:80]} {fault}; copy the map again or publish a new version")
 
     def expect(self, names: Set[str]) -> None:
         """Refuse a file whose tensors are not exactly these."""

@@ -48,10 +48,10 @@ class GaitTensors:
 
 @dataclass(frozen=True)
 class WarmStart(Trajectory):
-    """Where to start an optimiser of `pattern`: a trajectory in SI units, and the artifact's own scaled vectors.
+    """Where to start an optimiser of `pattern`: a trajectory in SI units, and the map's own scaled vectors.
 
     task: the values on the map's axes that it is for; of a region's mean only the cycle_duration. primal [nw] is the
-    decision vector, multipliers_bounds [nw] and multipliers_rows [ng] are those of the artifact's problem (CasADi's
+    decision vector, multipliers_bounds [nw] and multipliers_rows [ng] are those of the map's problem (CasADi's
     signs). Predicted for the task, or the mean over a region of tasks: near feasible, not feasible.
     """
 

@@ -1,4 +1,4 @@
-"""Versions of an artifact: folders `models/<scenario>/<major>.<minor>.<patch>/`, in semantic order."""
+"""Versions of a map: folders `models/<scenario>/<major>.<minor>.<patch>/`, in semantic order."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def resolve(path: Path) -> Path:
     versions = versions_in(path)
     if not versions:
         raise ArtifactError(
-            f"{path}: no artifact here: expected manifest.json, or version folders such as 1.0.0; "
+            f"{path}: no map here: expected manifest.json, or version folders such as 1.0.0; "
             "`gaitflow publish` makes them"
         )
     return _no_dataset(path / str(versions[-1]))

@@ -1,7 +1,7 @@
-"""IPOPT's options: those that we solve with, and which of them an artifact may set.
+"""IPOPT's options: those that we solve with, and which of them a map may set.
 
 The second is a closed list: others make IPOPT write files (output_file), read files (option_file_name) or load shared
-libraries (hsllib), and an artifact is data, not code.
+libraries (hsllib), and a map is data, not code.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Few full patterns that are the best of their gait wherever it matters."""
+"""Few patterns that are the best of their gait wherever it matters."""
 
 from __future__ import annotations
 

@@ -36,7 +36,7 @@ def test_what_cannot_be_exported_is_one_clear_line(model: Path, tmp_path: Path) 
     (tmp_path / "notes.txt").write_text("mine")
     for arguments, says in (
         ((model, "--c", tmp_path), "holds 'notes.txt', which no export writes"),
-        ((tmp_path / "none", "--c", tmp_path / "out"), "no artifact here"),
+        ((tmp_path / "none", "--c", tmp_path / "out"), "no map here"),
         ((model,), "--c"),
         ((model, "--c", tmp_path / "out"), "--trust-code"),
     ):

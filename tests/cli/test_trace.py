@@ -70,7 +70,7 @@ def test_outside_the_domain_there_is_no_answer(checkout: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (("models/nowhere",), "no artifact here"),
+        (("models/nowhere",), "no map here"),
         ((f"datasets/{NAME}",), "is a dataset, not a map"),
         ((f"models/{NAME}", "--speed", "0.9", "--payload", "3"), "payload = 3: it is fixed at 0 kg here"),
     ],

@@ -42,7 +42,7 @@ def test_newest_version_is_loaded_by_semantic_order(
 
 
 def test_nothing_to_load_says_what_makes_it(tmp_path: Path) -> None:
-    with pytest.raises(ArtifactError, match=r"no artifact here.*gaitflow publish"):
+    with pytest.raises(ArtifactError, match=r"no map here.*gaitflow publish"):
         GaitMap.load(tmp_path / "none")
     with pytest.raises(ArtifactError, match=r"1\.0\.0/manifest\.json: cannot be read \(No such file"):
         GaitMap.load(tmp_path / "1.0.0")

@@ -61,7 +61,7 @@ struct Gait {
   Space space;
 };
 
-// One full pattern of a gait: n solved tasks (nodes) over a axes, each a point of k modes, with derivatives by the axes.
+// One pattern of a gait: n solved tasks (nodes) over a axes, each a point of k modes, with derivatives by the axes.
 // Lengths are in steps of the axes, slopes and tangents are by such a step.
 struct Sheet {
   std::size_t gait;
