@@ -1,4 +1,4 @@
-"""Solvers that solve nothing, in the place of `gaitflow.search:solve_tasks`: what remains is what moves the work."""
+"""Solvers that solve nothing, in place of `gaitflow.search:solve_tasks`: only the work of moving units remains."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """IPOPT as the referee of the interior point that makes maps: the same patterns at the same tasks, solved by both.
 
 Tasks of the scenario's grid and patterns that its search would try are drawn at random and solved as the search does
-it, from the nominal glide; until there are enough with a motion, and enough given up. IPOPT, without any help from
-that, has to find the same.
+it, from the nominal glide, until there are enough with a motion and enough given up. Then IPOPT solves the same,
+without help from these results.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """From grown nodes to the atlas that is published: points and tangents along the modes that matter most.
 
-Every pattern has modes of its own. Which of them are kept is decided for all at once: those that tell most about
-all nodes, until the atlas has the size that it may have.
+Every pattern has modes of its own. Those that explain most of all nodes are kept, over all patterns at once, until the
+atlas has the size that it may have.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Where the atlas predicts badly between its nodes: kinks, cliffs and borders of gaits get nodes of their own.
 
-Tested are the centres of the grid's cells; where a test fails a node is added, and the cell's parts are tested next,
-those of the worst cells first.
+The centres of the grid's cells are tested. Where a test fails, a node is added, and the parts of the cell are tested
+next, those of the worst cells first.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How good an atlas' predictions are: at random tasks that are no nodes, as a plan would start from them."""
+"""How good an atlas' predictions are: plans are started from them at random tasks that are not nodes."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """What a robot's body should do next so that it follows its plan's: the force on it, and how its base turns.
 
-The force steers the centre of mass of all links together, which the ground's forces alone change, as in the plan. What
-turns as planned is the base itself: left to recoil from swinging legs it would roll, and standing legs would have to
+The force steers the centre of mass of all links together, as in the plan, because only the ground's forces move it. The
+base itself turns as planned. If it could recoil from swinging legs it would roll, and standing legs would have to
 follow it, which costs ANYmal up to a sixth of its energy.
 """
 

@@ -1,4 +1,4 @@
-"""What a motion's task commands of the body at any time: an even motion that two gaits at one task share."""
+"""The body's commanded motion at any time, which all gaits at one task share."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """The quadratic program of one moment: the contact forces that steer the body, and the torques that go with them.
 
-Legs of three joints leave no choice: when a foot stands still or follows its swing, its joints accelerate as the base
-does. So the equations of motion, M a + h = S^T tau + J^T f, make the base's acceleration and all torques affine in the
-forces, which are all that is left to find.
+In a leg of three joints, the foot's motion (at rest, or along its swing) and the base's acceleration determine the
+acceleration of the joints. So by the equations of motion, M a + h = S^T tau + J^T f, the base's acceleration and all
+torques are affine in the contact forces, and only the forces are left to find.
 """
 
 from __future__ import annotations

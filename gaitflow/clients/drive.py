@@ -1,4 +1,4 @@
-"""Drive: a robot in MuJoCo follows a speed that changes, as a pilot has it; what came of it, how long ticks took."""
+"""Drive: a robot in MuJoCo follows a changing speed, led by a pilot; records what happened and how long ticks took."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A pilot: it asks a map 50 times a second how to go, and changes the motion where the answer has changed."""
+"""A pilot: it asks a map 50 times a second for gait and cycle duration, and changes the motion when they change."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A motion sampled ahead in pieces, a state at a time: sampling one state takes as long as sampling ten."""
+"""States of a motion one at a time, sampled ahead in pieces, because one state takes as long to sample as ten."""
 
 from __future__ import annotations
 

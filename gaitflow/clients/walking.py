@@ -1,4 +1,4 @@
-"""Walk: a robot in MuJoCo that follows a motion, and what its walk comes to."""
+"""Walk: a robot in MuJoCo that follows a motion, and what is measured of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the links of a robot's description are, seen from what a plan speaks of; no part of the problem."""
+"""Where a robot's links are, relative to a plan's centre of mass and feet; no part of the problem."""
 
 from __future__ import annotations
 

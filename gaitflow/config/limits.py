@@ -1,4 +1,4 @@
-"""How bad a map may be and still be published."""
+"""Limits of a map's errors: a map beyond them is not published."""
 
 from __future__ import annotations
 

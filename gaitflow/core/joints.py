@@ -1,4 +1,4 @@
-"""J4 once more, in numpy: torques and rates of joints, for the check's own cost.
+"""J4 computed a second time, in numpy: torques and rates of joints, for the check's own cost.
 
 Written without the transcription's code: the joints' angles are solved for, and torques and rates come from the
 Jacobian of axes and levers. Arrays have any leading axes.

@@ -1,7 +1,7 @@
-"""Eq. (4) and (5) once more, in numpy and for many states at once: what the check knows of a body's mechanics.
+"""Eq. (4) and (5) a second time, in numpy and for many states at once: the mechanics that the check uses.
 
-Written without the transcription's code, and with other formulas where there are any, so that one's mistake is not the
-other's. Arrays have any leading axes; the plane's vectors are (x, z), its one angle turns x to z.
+It is written without the transcription's code, and with other formulas where there are any, so that both do not share a
+mistake. Arrays have any leading axes; the plane's vectors are (x, z), its one angle turns x to z.
 """
 
 from __future__ import annotations

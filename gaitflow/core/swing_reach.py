@@ -1,7 +1,7 @@
 """Are legs long enough for the swings that are followed? Part of the check, in numpy.
 
 A leg is at its longest soon after its foot left the ground, when the body has run ahead of it, and soon before it
-touches down. There the foot's curve is compared with a body that keeps its velocity and attitude.
+touches down. At these times the foot's curve is compared with a body that keeps its velocity and attitude.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The squared torque of all swinging legs' hips on the base, once more in numpy; part of the check."""
+"""The squared torque of all swinging legs' hips on the base, computed a second time in numpy; part of the check."""
 
 from __future__ import annotations
 

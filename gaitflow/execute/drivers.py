@@ -1,7 +1,7 @@
 """At most one driver a run: two would solve the same units, and cancel each other's workers.
 
-A process that drives a run says so in `<run folder>/driver.json`, with its host, user and start. A record whose process
-is gone, on this host, counts for nothing.
+A process that drives a run writes `<run folder>/driver.json`, with its host, user and start time. A record whose
+process is gone, on this host, is ignored.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How many solves units take: foretold from a scenario, then from the units that are done."""
+"""How many solves units take: predicted from a scenario, then corrected by the units that are done."""
 
 from __future__ import annotations
 

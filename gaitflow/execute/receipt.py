@@ -1,4 +1,4 @@
-"""What a task on Dask returns: what became of its unit. Solutions themselves never leave the store."""
+"""What a Dask task returns: how its unit ended. Solutions themselves never leave the store."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Who may talk to a run's scheduler on a shared network: those who can read the run's key, and nobody else.
+"""Only those who can read a run's key may talk to its scheduler on a shared network.
 
 Dask's scheduler runs whatever code it is sent. So both sides of every connection show the one certificate of the run,
 which is made anew for every session and lies where only its owner can read it.

@@ -1,4 +1,4 @@
-"""The classifier of a map as numbers, whichever of the methods won: read off the ONNX graph, written to map.bin."""
+"""The classifier of a map as numbers, for any of the methods: read off the ONNX graph, written to map.bin."""
 
 from __future__ import annotations
 

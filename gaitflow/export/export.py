@@ -1,4 +1,4 @@
-"""A map's folder in, a folder of C, C++ and data out."""
+"""Exporting a map: from its folder to a folder of C, C++ and data."""
 
 from __future__ import annotations
 

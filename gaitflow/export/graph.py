@@ -1,4 +1,4 @@
-"""A classifier's ONNX graph, asked from its output backwards: which node makes a value, and with which constants."""
+"""A classifier's ONNX graph, read from its output backwards: which node makes a value, and with which constants."""
 
 from __future__ import annotations
 

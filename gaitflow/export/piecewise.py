@@ -1,7 +1,7 @@
 """A program's functions where its terms are copies of a few: their code, loops over them, and where values belong.
 
-As one expression all steps' derivatives are half a million lines of C in space, which take a compiler minutes and
-gigabytes, and a processor most of a millisecond to read. One step's fit in its cache.
+As one expression, the derivatives of all steps are half a million lines of C in space. A compiler takes minutes and
+gigabytes for them, and a processor takes most of a millisecond to read them. Those of one step fit in its cache.
 """
 
 from __future__ import annotations

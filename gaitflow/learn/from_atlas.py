@@ -1,8 +1,8 @@
-"""What the atlas says to classifiers: many more labelled tasks than the dataset has, and its own choice of a gait.
+"""Labels from the atlas for classifiers: at many more tasks than the dataset has.
 
-A label is the gait of least predicted cost at a task of a finer grid. The dataset's own tasks are left to the dataset,
-and so are tasks where two gaits are predicted to cost the same within the tie tolerance: there the label would be a
-coin's.
+A label is the gait of least predicted cost at a task of a finer grid. The dataset's own tasks keep the dataset's
+labels. Tasks where two gaits are predicted to cost the same within the tie tolerance get no label, because it would be
+arbitrary.
 """
 
 from __future__ import annotations

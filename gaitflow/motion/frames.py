@@ -1,4 +1,4 @@
-"""Where a robot's links are, seen from the centre of mass and the contact points that a plan speaks of."""
+"""Where a robot's links are, relative to the centre of mass and the contact points of a plan."""
 
 from __future__ import annotations
 

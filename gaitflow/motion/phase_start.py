@@ -1,4 +1,4 @@
-"""A gait where one of its phases begins: the state there, and the contacts before and behind."""
+"""The start of one phase of a gait: the state there, and the contacts before and after it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A robot that stands: a motion like others, of which nothing moves."""
+"""A robot that stands: a motion like others, in which nothing moves."""
 
 from __future__ import annotations
 

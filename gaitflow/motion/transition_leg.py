@@ -1,4 +1,4 @@
-"""One leg of a transition: where its foot is until it follows the motion behind."""
+"""One leg of a transition: where its foot is until it follows the second motion."""
 
 from __future__ import annotations
 

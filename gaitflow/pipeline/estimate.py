@@ -1,4 +1,4 @@
-"""What a map will cost, before it is submitted: a few of its units are solved here, and nothing of that is lost."""
+"""How many CPU hours a map takes, before it is submitted: a few of its units are solved here and stored."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How much work a scenario asks for, before anything of it is done: solves counted, their time tried on a few."""
+"""How much work a scenario needs, before it is run: the number of solves, and their time, measured on a few."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""A program in pieces that are copies of one another: all steps, the reach of a leg at the end of every phase.
+"""A program in pieces that are copies of one another: all steps, and the reach of a leg at the end of every phase.
 
-Derived once and evaluated for each copy, the code of all steps is a fortieth of what they are as one expression.
+A piece is derived once and evaluated for each copy. With 40 steps their code is a fortieth of that of one expression.
 """
 
 from __future__ import annotations

@@ -1,8 +1,9 @@
-"""J4: what moving takes of the joints, their torques squared (heat) and their positive work.
+"""J4: the energy of the joints, as their torques squared (heat) and their positive work.
 
-Legs stay massless in the dynamics. *Standing* legs carry the forces, in the pose that the foot's place asks for.
-*Swinging* legs carry their own mass along the curve that is followed, not the program's own feet, whose way no other
-term sees: so a swing costs what its duration says, and a short one is dear. Theirs are the standing pose's joints.
+Legs stay massless in the dynamics. *Standing* legs carry the forces, in the pose that the foot's position determines.
+*Swinging* legs carry their own mass along the curve that a robot follows. The program's own feet in the air do not
+count, because no other term of the cost depends on them. Swings are computed in the standing pose, so a swing's cost
+depends only on its duration, and a short swing is dear.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""J4 as elements of the cost: each leg at each knot of a stance, each leg's swing, and what all swings do together."""
+"""J4 as elements of the cost: each leg at each knot of a stance, each leg's swing, and the reaction of all swings."""
 
 from __future__ import annotations
 

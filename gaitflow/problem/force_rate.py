@@ -1,4 +1,4 @@
-"""How fast contact forces change: no motor's torque jumps, though here forces may do so between phases."""
+"""How fast contact forces change. Here forces may jump between phases, but no motor's torque can."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""J4: legs are long enough for the swings that are followed.
+"""J4: rows that keep the swings that are followed within the legs' reach.
 
-A foot leaves the ground from rest, so the body runs ahead of it at first, and before it touches down it waits for the
-body. There, outside the kinematic box, a leg is at its longest. Simulated robots of all gaits walk while no leg
-stretches beyond STRETCH, and fall where the curve asks for straight knees.
+A foot leaves the ground from rest, so at first the body runs ahead of it. A foot lands at rest, so before touchdown it
+is ahead of the body. At these times a leg is at its longest, outside the kinematic box. Simulated robots of all gaits
+walk while no leg stretches beyond STRETCH, and fall where the curve needs straight knees.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
-"""A partially separable cost: a rest, and elements that are one function of a few variables each, many times over.
+"""A partially separable cost: many copies of a few elements, each a function of a few variables, and a rest.
 
-Derived as one expression, what many copies of an element share is derived anew for each. Derived by itself, once, an
-element is a small function that is evaluated for every copy, and its derivatives are added where its variables are
-(Griewank and Toint, 1982).
+As one expression, every copy of an element would be derived anew. Here an element is a small function that is derived
+once and evaluated for every copy. Its derivatives are added where its variables are (Griewank and Toint, 1982).
 """
 
 from __future__ import annotations

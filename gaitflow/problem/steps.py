@@ -1,6 +1,6 @@
 """The terms of one step, as the same function of a few variables for all steps of a motion.
 
-These are the states at its ends, its forces and foot velocities, and the phase durations.
+The variables are the states at a step's ends, its forces and foot velocities, and the phase durations.
 """
 
 from __future__ import annotations

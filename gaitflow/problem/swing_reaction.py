@@ -1,7 +1,7 @@
-"""What swinging legs do to the base: the torques of their hips, which legs that swing against each other cancel.
+"""What swinging legs do to the base: the squared sum of the torques of their hips.
 
-Legs have no mass in the dynamics, so a base that recoils from its swings costs nothing there. Here the torques that all
-hips together exert on it are squared: a matter of when legs swing and for how long.
+Legs have no mass in the dynamics, so a base that recoils from its swings costs nothing there. This term gives it a
+cost, which depends on when legs swing and for how long: legs that swing against each other cancel.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Keeping a gait: at a border between two gaits a noisy command must not make a robot change at every step."""
+"""Keeping a gait: at a border between two gaits a noisy command must not change the gait at every call."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The value of least cost on an axis that is left out of a task, for whoever says how fast to go and nothing else."""
+"""The value of least cost on an axis that is left out of a task, such as the cycle duration for a given speed."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """Maps of formats 1 and 2, from when a task was a speed and a cycle duration and the problem was stored as code.
 
-They load and select as today's do. Their problem is a serialised CasADi function, and reading one is C++ code that
-trusts its input: whoever writes such a file can crash the process or run code in it. So it is only read, to plan, for
-who says that it is trusted. Format 1 has no atlas.
+They load and select as today's do. Their problem is a serialised CasADi function. The C++ code that reads one trusts
+its input: whoever writes such a file can crash the process or run code in it. So it is read only to plan, and only for
+callers who say that they trust it. Format 1 has no atlas.
 """
 
 from __future__ import annotations

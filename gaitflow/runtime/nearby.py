@@ -1,8 +1,8 @@
 """Which of an atlas' nodes are near a place, and what they weigh there; all lengths in steps of the axes.
 
-Distance alone does not say how much a node knows of a place: at a cliff its slope holds for a hundredth of a step, and
-across a kink it belongs to another motion. So nodes count less by how much they expect the cost to change up to the
-place, and then by how far what they promise there is off what all of them come to.
+Distance alone does not say how well a node predicts at a place: at a cliff its slope holds for a hundredth of a step,
+and across a kink it belongs to another motion. So a node weighs less if it expects the cost to change much up to the
+place, and less again if its prediction there is far from the blend of all nodes.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A way from one gait to another: its contacts, its two ends, and the motion between them from which it is solved."""
+"""A way from one gait to another: its contacts, its two ends, and the start from which its motion is solved."""
 
 from __future__ import annotations
 

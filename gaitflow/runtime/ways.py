@@ -1,4 +1,4 @@
-"""Which contacts may lead from one gait to another, the most promising first: what is solved is chosen here."""
+"""Which contacts may lead from one gait to another, in the order in which they are solved: most promising first."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ Two terms of the objective have a floor that only the contact schedule and the t
   it started with, so the integral of their squared difference is at least |g + a|^2 d^3 / 12, and no phase is shorter
   than the least fraction. With Euler's rule velocities count as they are at the start of their steps, which is less.
 
-They are integrals of different terms, so they add. A walk under J3 is cheap because it has neither: one solved
+They are integrals of different terms, so they add. A walk under J3 is cheap because both are small for it: one solved
 walk rules out most patterns of its task. In a turn only what is normal to the ground counts.
 """
 

@@ -1,8 +1,7 @@
 """Probes: patterns of a task solved on a coarse mesh, in a third of the time, to leave out what is far from the best.
 
-Costs fall steeply in pattern space (under J3 the median pattern costs a hundred times the best), which is what
-makes a coarse probe enough to leave a pattern out. A sound bound rules out, unsolved, what must cost more than the best
-motion known.
+Patterns differ widely in cost (under J3 the median pattern costs a hundred times the best), so a coarse probe is enough
+to leave a pattern out. A sound bound rules out patterns unsolved that must cost more than the best motion known.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""How far the mesh decides which gait of a task is best: the leaders, solved again on finer meshes.
+"""Whether the mesh decides which gait of a task is best: the cheapest gaits, solved again on finer meshes.
 
-A cost is off by an error that falls with the knots in a phase, and by another one for every gait. So the cheapest gait
-and the runner-up are solved once more with twice the knots. Where their costs there lie farther apart than what may be
-left of their errors, or closer than TIE, the task is resolved; otherwise they and every other gait that the error may
-hide are solved with four times the knots, and at last with MOST_KNOTS.
+A cost has an error that falls with the number of knots in a phase and differs between gaits. So the cheapest gait and
+the runner-up are solved once more with twice the knots. Where their costs there lie farther apart than what may be
+left of their errors, or closer than TIE, the task is resolved. Otherwise these two, and every other gait that may be
+cheaper within the error, are solved with four times the knots, and at last with MOST_KNOTS.
 
 Scenarios with Euler's rule are left as they are: the paper's section III.B takes its 10 knots for granted.
 """

@@ -1,4 +1,4 @@
-"""The dataset row of a pattern at a task: of all its attempts, or of the reason why there were none."""
+"""The dataset row of a pattern at a task: from all its attempts, or with the reason why there were none."""
 
 from __future__ import annotations
 

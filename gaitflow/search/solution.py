@@ -1,4 +1,4 @@
-"""What a search makes of one pattern at one task: a motion with its cost and our own verdict, or why there is none."""
+"""The result of one pattern at one task: a motion with its cost and our own verdict, or why there is none."""
 
 from __future__ import annotations
 

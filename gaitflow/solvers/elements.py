@@ -1,4 +1,4 @@
-"""Derivatives of a partially separable cost: an element's, evaluated for each copy, added at the places of its w."""
+"""Derivatives of a partially separable cost: those of one element, evaluated for each copy and added up."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 """The fixed-gait problem: one pattern at one task from one start, solved and judged by our own check.
 
-The interior point of this package solves it. Where it neither converges nor finds the pattern infeasible, IPOPT has the
-last word. A neighbour's multipliers are a promise: where that is not kept, nothing is learnt about the pattern, and the
-caller goes on to a start without.
+The interior point of this package solves it. Where it neither converges nor finds the pattern infeasible, IPOPT
+decides. A start with a neighbour's multipliers that fails says nothing about the pattern; the caller then tries a start
+without multipliers.
 """
 
 from __future__ import annotations

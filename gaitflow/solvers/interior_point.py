@@ -1,9 +1,9 @@
 """Newton's method along the central path of a gait's problem: what solves maps offline and plans online.
 
-On the central path every bound pushes back by barrier / distance. There the solution moves smoothly with the task,
-also where bounds become active, so it can be predicted; a predicted point of it says softly which bounds will be
-active. From it a few Newton steps with a falling barrier reach the optimum, if the prediction is good. From far off,
-without any multipliers, it takes about twenty. There is no line search: what does not converge goes to IPOPT.
+On the central path every bound pushes back by barrier / distance. There the solution moves smoothly with the task, also
+where bounds become active, so it can be predicted. Its multipliers say which bounds are likely to become active. From a
+good prediction a few Newton steps with a falling barrier reach the optimum. From far off, without any multipliers, it
+takes about twenty. There is no line search: what does not converge goes to IPOPT.
 """
 
 from __future__ import annotations

@@ -4,8 +4,8 @@
     [ J_E         -d                   ]   equality rows
     [ J_I                     -D_I     ]   inequality rows, their slacks eliminated
 
-Swing forces, stance velocities and rows without a free variable are not in it: a gait halves the problem. Variables
-that move together are one of its unknowns, and the rows that join them are none; what remains has half the factors.
+Swing forces, stance velocities and rows without a free variable are not in it, which halves the problem. Variables
+that move together are one unknown, and the rows that join them are left out (see `paths`), which halves the factors.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Variables that move together: feet in stance, and the first and the last knot of a cycle.
 
-A foot that stands has a place at every knot and, between each two, a row that says they are the same. Such rows have a
-1 and a -1, so a Newton step is the same for all variables that they join, but for what the rows are off. Joined into
-paths they are one unknown of the KKT matrix instead of twice as many as there are knots.
+A foot that stands has a position at every knot and, between each two knots, a row that says they are equal. Such a row
+has a 1 and a -1, so a Newton step is the same for all variables that such rows join, except for the rows' errors.
+Joined into a path they are one unknown of the KKT matrix; the variables and rows apart are twice as many as the knots.
 """
 
 from __future__ import annotations

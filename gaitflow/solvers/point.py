@@ -1,4 +1,4 @@
-"""What a gait leaves free of the problem, and primal-dual points of it: as vectors, and as numbers to predict."""
+"""What a gait leaves free of the problem, and its primal-dual points: as vectors, and as numbers to predict."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""The store of a run: units of work, their parts, attempts and journal; the truth that a run goes on from."""
+"""The store of a run: units of work, their parts, attempts and journal. A run that goes on trusts only the store."""

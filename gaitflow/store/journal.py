@@ -1,9 +1,10 @@
-"""A run's journal: one line when a solve of a unit starts, one that says how far it is, which is written over, and one
-when its part is stored, or it ended without.
+"""A run's journal: when units of work were begun, how far they are, and when they ended.
 
-It tells how much time went where and which solves never came to an end; what is solved only the store knows. Every
-solver process has a file of its own, so that lines of many machines never mix; its worker adds the last line when the
-process is gone. A worker that was killed together with its solver leaves a start that nothing follows.
+A solver process writes one line when it begins a unit, one line of progress, which it overwrites, and one when the part
+is stored or the unit ended without one. So the journal says how much time went where and which units never came to an
+end; only the store says what is solved. Every solver process has a file of its own, so that lines of many machines
+never mix. Its worker adds the last line when the process is gone. A worker that was killed together with its solver
+leaves a begin without an end.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 """Which stored parts were read and found sound: a cache that spares a resume reading 10^5 parts again.
 
 A line of `<store>/checked.txt` is "<unit digest> <size> <mtime in ns> <inode> sound", of the file that held the part
-when it was read. A part whose file is another one now has no line and is read again. The lines are no truth: without
-them all is read once more, and `collect` reads everything whatever they say, which also finds bytes that went bad
-beneath an unchanged file.
+when it was read. A part whose file has changed since has no line and is read again. The lines are only a cache: without
+them everything is read once more. `collect` reads everything in any case, which also finds bytes that went bad beneath
+an unchanged file.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The durable store of solved units: the truth about what is done. Whatever moves work may die at any moment.
+"""The durable store of solved units. It alone says what is done, because whatever moves work may die at any moment.
 
     <folder>/units/<first 2 digits>/<unit digest>.parquet   one complete, sealed part a unit
     <folder>/packs/<digest>.pack                            many parts in one file, see `pack`; made by `compact`

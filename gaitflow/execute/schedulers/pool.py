@@ -1,8 +1,9 @@
 """A pool of workers that are jobs of a cluster, kept at its size whatever ends them.
 
-dask-jobqueue submits a job a worker. What it leaves out is here: a job that was lost before its worker came up, a job
-that was refused, and jobs that nobody knows are all found by comparing the workers that the scheduler sees, and
-every 30 s the jobs that are in the queue, with what is wanted. When all of them are refused for long, it says so.
+dask-jobqueue submits one job for each worker. This module adds what it lacks. The wanted number is compared with the
+workers that the scheduler sees and, every 30 s, with the jobs that are in the queue. That finds jobs that were lost
+before their worker came up, jobs that were refused, and jobs that nobody knows. When all of them are refused for long,
+it says so.
 """
 
 from __future__ import annotations
