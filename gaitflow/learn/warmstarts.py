@@ -42,11 +42,11 @@ def region_means(
 ) -> tuple[WarmStart, ...]:
     """One warm start a gait that is the `label` of a grid task, sorted by gait.
 
-    A gait's region is the grid tasks with that label. A gait may have several patterns: taken is the one that is
-    best at most tasks of the region (then the first as text), and averaged are its solutions at all tasks of the
-    region. `pack(trajectory, cycle_duration, pattern)` gives the scaled decision vector [nw]. Solutions without
-    trajectory or multipliers do not count, nor those of a pattern that is another gait elsewhere in the map, by the
-    `symmetry` that all of its tasks have. Raises ValueError naming a gait that has none left.
+    A gait's region is the grid tasks with that label. A gait may have several patterns; the one that is best
+    at most tasks of the region is taken (of equal ones the first as text), and its solutions at all tasks of the region
+    are averaged. `pack(trajectory, cycle_duration, pattern)` gives the scaled decision vector [nw]. Solutions without
+    trajectory or multipliers are left out, and so are those of a pattern that is another gait elsewhere in the map, by
+    the `symmetry` that all of its tasks have. Raises ValueError naming a gait that has none left.
     """
     grid = labels[(labels["split"] != "held_out") & (labels["status"] == "solved")]
     key_of = dict(zip(grid["gait"], grid["gait_key"], strict=True))

@@ -1,4 +1,4 @@
-"""The gait problem, eq. (2)-(10) of the paper, one physical term a file; knows nothing of files."""
+"""The gait problem, eq. (2)-(10) of the paper: one module for each physical term. No module touches files."""
 
 from gaitflow.problem.bounds import Bounds
 from gaitflow.problem.separable import SeparableProblem

@@ -16,12 +16,14 @@ from gaitflow.runtime.tensors import WarmStart
 class Choice:
     """The gait for one task: `task` has speed [m/s], cycle_duration [s] and the map's other ranged axes.
 
-    `gait` is the name of the gait that the atlas predicts to cost least, the likeliest by the classifier where the
-    atlas knows none; `pattern` its contacts (a row of 0 swing, 1 stance a leg, joined by "/"); `probability` the
-    classifier's for it, calibrated. `ranked` are all gaits with their probabilities in the order in which `plan` tries
-    them: by predicted cost, then those that the atlas does not know there by probability. Outside the map's domain
-    `in_domain` is False, and unless it was asked for all the same `gait` and `pattern` are None, `probability` is 0 and
-    `ranked` is empty. `chosen` says of the value that was left to the map what it costs, and is None without.
+    `gait` is the name of the gait that the atlas predicts to cost least; where the atlas knows none, it is the
+    classifier's likeliest. `pattern` has its contacts: a row of digits a leg, 0 swing and 1 stance, joined by "/".
+    `probability` is the classifier's for this gait, calibrated. `ranked` has all gaits with their probabilities, in the
+    order in which `plan` tries them: by predicted cost, then those that the atlas does not know there by probability.
+    `chosen` describes the value that was left to the map, and is None when all were given.
+
+    Outside the map's domain `in_domain` is False. Then `gait` and `pattern` are None, `probability` is 0 and `ranked`
+    is empty, unless an answer was asked for with `beyond`.
     """
 
     task: Mapping[str, float]
@@ -46,15 +48,15 @@ class Choice:
 
     @property
     def warm_start(self) -> WarmStart | None:
-        """Where to start an optimiser for this gait and task, predicted by the atlas; made on each call.
+        """Where to start an optimiser for this gait and task, predicted by the atlas; computed on each call.
 
-        The mean of the gait's region where the atlas does not know the gait; None without a gait.
+        It is the mean of the gait's region where the atlas does not know the gait, and None without a gait.
         """
         return None if self.gait is None else self._warm_start(self.gait, self.task)
 
     @property
     def distance(self) -> float:
-        """To the nearest task that the map was trained on, in steps of its grid: at most 0.71 amid four of them."""
+        """Distance to the nearest task that the map was trained on, in steps of its grid; between four at most 0.71."""
         return self._distance(self.task)
 
 

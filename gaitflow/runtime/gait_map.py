@@ -37,9 +37,9 @@ FARTHEST = 1e6  # in an axis' unit: of a task beyond the domain, what the classi
 class GaitMap:
     """A published map from tasks to gaits. Build it with `GaitMap.load`.
 
-    A task is asked for by the values on the map's axes: speed [m/s] and cycle_duration [s], also by position, and what
-    other axes the map ranges over (`axes`), by name. An axis that the map holds at one value may be given with it. One
-    axis of the command, the cycle duration mostly, may be left to the map.
+    A task is given by its values on the map's axes (`axes`): speed [m/s] and cycle_duration [s], by position or by
+    name, and the others by name. An axis that the map holds at one value may be given with that value. One axis of the
+    command, mostly the cycle duration, may be left to the map.
 
     Immutable and safe to use from many threads, each of which gets a solver of its own.
     """
@@ -59,9 +59,9 @@ class GaitMap:
     def load(cls, path: str | PathLike[str], trust_code: bool = False) -> GaitMap:
         """Load `models/<scenario>/<version>`, or the newest version in `models/<scenario>`, here or at an address.
 
-        The digest of every file that is read is checked. Maps of formats 1 and 2 hold their problem as code, which
-        plans only with `trust_code`: it runs in this process. Raises ArtifactError that names the file and what is
-        wrong with it.
+        The digest of every file that is read is checked. Maps of formats 1 and 2 hold their problem as code. They plan
+        only with `trust_code`, which lets that code run in this process. Raises ArtifactError, which names the file and
+        what is wrong with it.
         """
         return cls(load_artifact(resolve(local_folder(path))), trust_code)
 
@@ -93,14 +93,18 @@ class GaitMap:
     ) -> Choice:
         """The gait for one task: the one that the atlas predicts to cost least, which `plan` tries first.
 
-        Where the atlas knows no gait it is the classifier's likeliest. Outside the map's domain it says nothing, unless
-        `beyond` asks for a guess all the same. The gait of the `previous` choice is kept as long as it is predicted to
-        cost at most `margin` (relative) more than the cheapest one here, or a tenth of a step of the map's grid away.
-        One axis of the command that is left out, the cycle duration mostly, takes its value of least predicted cost a
-        second, or `per` "metre", in the domain, and `chosen` says so; that of the previous choice is kept within the
-        margin, too. Raises ValueError for an argument that is no finite number, for an axis that the map does not have
-        or that is missing, and for a previous gait that it does not have; OutOfDomain where there is no value to
-        choose.
+        Where the atlas knows no gait, it is the classifier's likeliest. Outside the map's domain there is no gait,
+        unless `beyond` asks for a guess.
+
+        The gait of the `previous` choice is kept as long as it is predicted to cost at most `margin` (relative) more
+        than the cheapest one, at this task or at one a tenth of a step of the map's grid away.
+
+        One axis of the command may be left out, mostly the cycle duration. It takes the value in the domain of least
+        predicted cost `per` "second" or "metre", which `chosen` reports. The value of the previous choice is kept
+        within the margin as well.
+
+        Raises ValueError for an argument that is no finite number, for an axis that the map does not have or that is
+        missing, and for a previous gait that it does not have; OutOfDomain where there is no value to choose.
         """
         keep, margin = self._kept(previous), checked_margin(margin)
         task, chosen = self._task(speed, cycle_duration, axes, per)
@@ -156,13 +160,15 @@ class GaitMap:
     ) -> Plan:
         """A motion for one task, refined from a predicted start; needs gaitflow[solve].
 
-        Tried first is the gait that `select` names; gaits that the atlas does not know at this task come last, by their
-        probability. If one does not refine to a feasible motion, by none of its patterns that the atlas knows
-        here, the next is tried, `top` gaits at most, and the plan says so. `gait` names the one gait that is tried
-        instead of them. An axis that is left out is chosen as `select` does, for that gait. `beyond` plans outside the
-        map's domain, too: what comes out is checked all the same, and a plan that is not feasible says so. Raises
-        OutOfDomain outside the domain otherwise, and for a task that is not physical; ValueError as `select`, and for a
-        gait that the map does not have; ImportError without CasADi; ArtifactError when the map's problem cannot be had.
+        The gait that `select` names is tried first. Gaits that the atlas does not know at this task come last, by their
+        probability. If none of a gait's patterns that the atlas knows here leads to a feasible motion, the next gait
+        is tried, `top` gaits at most; `Plan.path` and `Plan.tried` say so. With `gait` only that gait is tried. An axis
+        that is left out is chosen as `select` does, for that gait. `beyond` plans outside the map's domain as well; the
+        motion is checked all the same, and `Plan.feasible` has the verdict.
+
+        Raises OutOfDomain outside the domain without `beyond`, and for a task that is not physical; ValueError as
+        `select`, and for a gait that the map does not have; ImportError without CasADi; ArtifactError when the map's
+        problem cannot be rebuilt.
         """
         started = time.perf_counter()
         if isinstance(top, bool) or not isinstance(top, int) or top < 1:
@@ -189,10 +195,12 @@ class GaitMap:
     def switch(self, motion: Motion | Journey, other: Motion, after: float = 0.0) -> Journey:
         """The journey that leaves a motion at the start of one of its phases, from `after` [s] on, for another motion.
 
-        Where it is left and where the other one is joined, over what contacts and how long, is what is found to cost
-        least by this map's objective, see `Journey`. A journey is left once it has settled. Needs
-        gaitflow[solve]. Raises ValueError for a time that is no finite number, for motions of another robot than the
-        map's, and for motions that no transition can join; NoTransition when none is found; ImportError without CasADi.
+        Several transitions are solved, which differ in where the one motion is left and the other one joined, in their
+        contacts and in their duration. The cheapest one found, by this map's objective, is taken; see `Journey`. A
+        journey is left once it has settled. Needs gaitflow[solve].
+
+        Raises ValueError for a time that is no finite number, for motions of another robot than the map's, and for
+        motions that no transition can join; NoTransition when none is found; ImportError without CasADi.
         """
         asked = checked_time(after, "after")
         left = last_of(motion)
@@ -271,9 +279,10 @@ class GaitMap:
         return row
 
     def _candidates(self, place: Array, probabilities: list[float]) -> list[Candidate]:
-        """Every gait, by each of its patterns that the atlas knows here, in the order of choosing and trying.
+        """Every gait, with each of its patterns that the atlas knows here, in the order of choosing and trying.
 
-        What the atlas knows by predicted cost, what it believes first; then the other gaits by probability.
+        First what the atlas knows, by predicted cost, where predictions that it trusts come first; then the other gaits
+        by probability.
         """
         atlas = self._artifact.atlas
         known = [Candidate(atlas.sheets[sheet].gait, sheet) for sheet in atlas.by_cost(place)]

@@ -40,10 +40,11 @@ class ChosenValue:
 
 @dataclass(frozen=True)
 class Chooser:
-    """Chooses on one axis of a map: `scale` times the atlas' cost is the scenario's, `per` says what the cost is over.
+    """Chooses a value on one axis of a map, by cost `per` second or metre.
 
-    At a given speed the same cycle duration costs least a second and a metre; of a speed that is left out the least a
-    second is slow, the least a metre the one at which a way costs least.
+    `scale` times the atlas' cost is the scenario's cost. At a given speed, the same cycle duration costs least per
+    second and per metre. If the speed is left out, the least cost per second is at a slow speed, and the least cost per
+    metre at the speed at which a distance costs least.
     """
 
     atlas: Atlas

@@ -28,16 +28,19 @@ LEAST_SAVING = 1e-3  # relative cost that another candidate must promise, and co
 class Plan(Trajectory):
     """A motion (SI units, see `Trajectory`) for a task, with how it was found.
 
-    task: speed [m/s], cycle_duration [s] and the map's other ranged axes. cost in the scenario's units; violation is
-    the worst scaled constraint violation, found by `gaitflow.core.check` and not by the solver; `feasible` means at
-    most 1e-6. path: "fast" when the first gait was refined by Newton steps from its prediction, "fallback" when IPOPT
-    had to, "next:<n>" when the n-th gait after it was the first to refine, "cheaper:<n>" when that one was refined
-    after another one, and costs less, "failed" when none of `tried` converged to a feasible motion: then the motion is
-    the least infeasible one, and feasible all the same when only optimality was not reached. tried: gaits with their
-    outcomes, in order, a gait once for each of its patterns that was tried. iterations over all tried.
-    distance: to the nearest training task, in steps of the map's grid. time_ms is wall time of the whole call;
-    select_ms of choosing the gaits, predict_ms and refine_ms of their starts and solves. scenario is the map's, JSON
-    data. chosen: what the value costs that was left to the map, None where all were given.
+    - task: speed [m/s], cycle_duration [s] and the map's other ranged axes. scenario: the map's, as JSON data.
+    - cost: in the scenario's units. violation: the worst scaled constraint violation, found by `gaitflow.core.check`
+      and not by the solver. feasible: violation is at most 1e-6.
+    - path: "fast" when Newton steps refined the first gait from its prediction; "next:<n>" when the n-th gait after it
+      was the first that could be refined; "cheaper:<n>" when that gait was refined after another one and costs less;
+      "fallback" when only IPOPT found a motion; "failed" when none of `tried` converged to a feasible motion. Then the
+      motion is the least infeasible one; it may be feasible when only optimality was not reached.
+    - tried: gaits with their outcomes, in order, a gait once for each of its patterns that was tried. iterations: of
+      all tried.
+    - distance: to the nearest task that the map was trained on, in steps of its grid.
+    - time_ms: wall time of the whole call; select_ms of choosing the gaits, predict_ms and refine_ms of their starts
+      and solves.
+    - chosen: the value that was left to the map and what it costs; None when all were given.
     """
 
     task: Mapping[str, float]
@@ -60,11 +63,11 @@ class Plan(Trajectory):
     chosen: ChosenValue | None = None
 
     def motion(self, swing_apex: float | Literal["planned"] | None = "planned", point: Point = "com") -> Motion:
-        """The plan at any time, cycle after cycle; its swings lead `swing_apex` m above the higher of their footholds.
+        """The plan at any time, cycle after cycle; its swings rise `swing_apex` m above the higher of their footholds.
 
-        That is the plan's `swing_apex` unless another one is given; with None the feet are the plan's own. Position,
-        velocity and acceleration are the centre of mass's, or with `point="base"` those of the base link's frame.
-        Raises ValueError as `Motion.of`.
+        By default that is the plan's own `swing_apex`. With None the feet are the plan's own. Position, velocity and
+        acceleration are those of the centre of mass, or with `point="base"` of the base link's frame. Raises ValueError
+        as `Motion.of`.
         """
         apex = self.swing_apex if swing_apex == "planned" else swing_apex
         return Motion.of(self.scenario, self, self._whole_task, self.pattern, apex, point)
@@ -77,7 +80,7 @@ class Plan(Trajectory):
 
     @property
     def cost_of_transport(self) -> float | None:
-        """The cost over the weight, payload included, and the way of a cycle.
+        """The cost over the weight, payload included, and over the distance of a cycle.
 
         None where the map's objective is not energy, or where the robot stays where it is.
         """
