@@ -14,8 +14,8 @@ FARTHEST = 1e3  # m
 class FootFrame:
     """The foot of a leg: the link of the description whose origin is the foot of every plan.
 
-    contact_point [3] m, in the link's frame, is where it touches the ground in the standing pose. Where that is not the
-    origin, the ground of the world is as much lower than that of the plan.
+    contact_point [3] m, in the link's frame, is where the foot touches the ground in the standing pose. If that is not
+    the link's origin, the real ground is that much lower than the plan's.
     """
 
     leg: str
@@ -25,7 +25,7 @@ class FootFrame:
 
 @dataclass(frozen=True)
 class Frames:
-    """The frames of a robot's description (URDF): what ties a plan to its links.
+    """The frames of a robot's description (URDF), which connect a plan with the robot's links.
 
     base_link is the link whose axes are the base frame's; com_in_base [3] m is the centre of mass in it, of the whole
     robot in its standing pose. feet are in the order of the legs in every array of the plan.
