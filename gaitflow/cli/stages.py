@@ -165,8 +165,8 @@ def train(workspace: Workspace, scenario: str, constant: bool, as_json: bool) ->
         mark = "*" if row["method"] == data["method"] else " "
         click.echo(f"{mark} {row['method']:8} folds:    {quality(row['cross_validation'])}")
         click.echo(f"  {'':8} held out: {quality(row['held_out'])}")
-    click.echo(f"published is the one marked *: {data['rule']}")
-    click.echo(f"what the map picks, by its atlas: held out {quality(data['published']['map_held_out'])}")
+    click.echo(f"the method marked * is published; the rule: {data['rule']}")
+    click.echo(f"picks of the map, by its atlas: held out {quality(data['published']['map_held_out'])}")
     for remark in data["remarks"]:
         click.echo(remark)
 
