@@ -43,6 +43,7 @@ SLOW = {"docs/clients.md", "docs/gallery.md"}  # a simulation, whole-body optimi
 # Commands that are parsed with their options and arguments, and not run.
 PARSED = {
     "cancel": "needs Slurm",
+    "certify": "searches for minutes",
     "compact": "needs a run",
     "doctor": "needs Slurm",
     "drive": "a simulation of a minute",
