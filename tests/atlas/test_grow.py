@@ -151,3 +151,29 @@ def test_a_gain_too_small_to_tell_is_not_tried(monkeypatch: pytest.MonkeyPatch) 
     growth = scripted(monkeypatch, dearer=1.001)
     assert {found.cost for found in growth.nodes[0].values()} == {1.0, 1.001}
     assert growth.solver.solves == len(growth.nodes[0]) - 2, "one solve a node, beside the two that were there"
+
+
+def test_a_seed_off_the_grid_spreads_to_the_corners_of_its_cell() -> None:
+    _, speed, cycle = SOLVED_AT[GALLOP]
+    off = (speed + 0.03, cycle - 0.01)
+    start = grow(tiny_problem(), [GALLOPS], [seed()], box()).nodes[0][speed, box().axes["cycle_duration"][1]]
+    solved = solved_at(GALLOP)
+    growth = Growth(tiny_problem(), NodeSolver(tiny_problem(), [GALLOPS]), box())
+    node = growth.solver.node(0, off, start.moved(off))
+    assert node is not None and solved.feasible
+    growth.keep(0, node)
+    assert not growth.reached.feasible.any(), "a node off the grid is no task of it"
+    growth.spread()
+    assert set(growth.nodes[0]) - {off} == {(v, t) for v in growth.grid[0] for t in growth.grid[1]}
+    assert growth.reached.feasible.all()
+
+
+def test_patterns_that_come_later_have_nodes_of_their_own(boxed: Growth) -> None:
+    later = Growth(tiny_problem(), NodeSolver(tiny_problem(), []), box())
+    later.sow([seed()])
+    assert not later.nodes and later.best, "what is known of costs does not wait for a pattern"
+    later.extend([GALLOPS])
+    later.sow([seed()])
+    later.spread()
+    assert set(later.nodes[0]) == set(boxed.nodes[0])
+    assert len(later.nearest(0, (0.9, 0.5), 2)) == 2

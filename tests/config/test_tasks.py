@@ -5,8 +5,9 @@ from typing import Any
 
 import pytest
 
+from gaitflow.config.file import ConfigError
 from gaitflow.config.scenario import Scenario
-from gaitflow.config.tasks import tasks_of
+from gaitflow.config.tasks import grid_of, tasks_of
 
 
 def changed(scenario: Scenario, axes: dict[str, Any] | None = None, **tasks: object) -> Scenario:
@@ -80,3 +81,43 @@ def test_a_single_point_has_nothing_to_hold_out(scenario: Scenario) -> None:
     point = {"start": 0.5, "stop": 0.5, "count": 1}
     with pytest.raises(ValueError, match=r"tasks.held_out = 3: only 0 tasks off the grid fit between \(0\.5, 0\.5\)"):
         tasks_of(changed(scenario, {"speed": point, "cycle_duration": point}))
+
+
+def test_an_adaptive_sampling_begins_with_tasks_spread_over_the_box(scenario: Scenario) -> None:
+    adaptive = changed(scenario, sampling="adaptive", held_out=0)
+    tasks = tasks_of(adaptive)
+    assert len(tasks) == len(set(tasks)) == 16 and {task.split for task in tasks} == {"sampled"}
+    quarters = {(task.speed > 1.1, task.cycle_duration > 0.8) for task in tasks}
+    assert len(quarters) == 4 and all(0.1 <= task.speed <= 2.1 for task in tasks)
+    assert tasks == tasks_of(adaptive)
+    assert tasks != tasks_of(changed(scenario, sampling={"seed": 1}, held_out=0))
+    assert len(tasks_of(changed(scenario, sampling={"start": 5}, held_out=0))) == 5
+    assert [task.split for task in grid_of(adaptive)] == ["grid"] * 6
+
+
+@pytest.mark.parametrize(
+    ("tasks", "message"),
+    [
+        ({"sampling": "adaptive"}, "held_out = 3: with an adaptive sampling"),
+        ({"sampling": "adaptative", "held_out": 0}, "tasks.sampling = 'adaptative'"),
+        ({"sampling": {"most": 0}, "held_out": 0}, "tasks.sampling.most = 0"),
+        ({"sampling": {"mots": 9}, "held_out": 0}, "did you mean most"),
+        ({"sampling": {"dearer": 1.0}, "held_out": 0}, "tasks.sampling.dearer = 1.0"),
+    ],
+)
+def test_a_sampling_that_cannot_be_is_refused(scenario: Scenario, tasks: dict[str, Any], message: str) -> None:
+    with pytest.raises(ConfigError, match=message):
+        changed(scenario, **tasks)
+
+
+def test_a_sampling_needs_a_search(scenario: Scenario) -> None:
+    data = scenario.as_data()
+    data["tasks"] |= {"sampling": "adaptive", "held_out": 0}
+    data["strategy"] = {"name": "bonmin"}
+    with pytest.raises(ConfigError, match=r"tasks\.sampling: needs a search"):
+        Scenario.from_data(data, "test")
+
+
+def test_a_grid_is_the_same_data_as_before_there_was_a_choice(scenario: Scenario) -> None:
+    assert "sampling" not in scenario.as_data()["tasks"]
+    assert changed(scenario, sampling="grid") == scenario

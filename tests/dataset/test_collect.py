@@ -100,3 +100,23 @@ def test_a_damaged_part_is_named_and_the_old_dataset_stays(
     assert target.read_bytes() == before
     store.write(units[2], make_solutions(units[2]), {"tol": 1e-9})
     assert collect(store, scenario) == target
+
+
+def test_tasks_that_were_chosen_tell_in_the_end_what_they_were_for(
+    store: UnitStore, scenario: Scenario, make_solutions: Make
+) -> None:
+    data = scenario.as_data()
+    data["tasks"] |= {"held_out": 0, "sampling": {"start": 5}}
+    adaptive = Scenario.from_data(data, "test")
+    chosen = list(tasks_of(adaptive))
+    units = plan_units(adaptive, chosen)
+    assert [unit.tasks for unit in units] == [(task,) for task in chosen], "a unit a task"
+    path = collect(filled(store, units, make_solutions), adaptive, chosen, {chosen[3]})
+    solutions = load_solutions(path)
+    assert [task.split for task in solutions.tasks()].count("held_out") == 1
+    apart = [row for row in solutions if row.task.split == "held_out"]
+    assert len(apart) == 3 and {row.task.values for row in apart} == {chosen[3].values}
+    assert {row.split for row in solutions} == {"sampled", "held_out"}
+    original = make_solutions(units[3])[0]
+    assert apart[0].trajectory is not None and original.trajectory is not None
+    assert any((row.base == original.trajectory.base).all() for row in apart if row.base is not None)

@@ -101,3 +101,11 @@ def test_held_out_tasks_follow_the_grid_and_never_lead_it() -> None:
     together = neighbourhood_labels(frame(known + held))
     assert together[: len(known)] == neighbourhood_labels(frame(known))
     assert together[len(known) :] == ["walking", "gallop", "gallop", "walking"]
+
+
+def test_scattered_tasks_take_what_the_nearest_ones_have() -> None:
+    walks = [((0.1 * i, 1.0 + 0.05 * (i % 3)), "sampled", "W") for i in range(8)]
+    gallops = [((5.0 + 0.1 * i, 1.0 + 0.05 * (i % 3)), "sampled", "G") for i in range(8)]
+    tied = [((0.35, 1.07), "sampled", "g"), ((5.35, 1.07), "held_out", "w")]
+    labels = neighbourhood_labels(frame([*walks, *gallops, *tied]))
+    assert labels == ["walking"] * 8 + ["gallop"] * 8 + ["walking", "gallop"]

@@ -11,9 +11,10 @@ import pytest
 
 from gaitflow.config.file import ConfigError
 from gaitflow.config.limits import Limits
+from gaitflow.config.sampling import Sampling
 from gaitflow.config.scenario import Scenario, digest_of, load_scenario
 from gaitflow.publishing import Parts, publish
-from gaitflow.publishing.judge_map import BEYOND, faults_of_map
+from gaitflow.publishing.judge_map import BEYOND, faults_of_certificate, faults_of_map
 
 
 def metrics(regret: float | None, infeasible: float | None) -> dict[str, Any]:
@@ -65,3 +66,14 @@ def test_limits_are_part_of_a_scenario_only_where_they_differ(checkout: Path) ->
     assert digest_of(strict.as_data()) != digest_of(data)
     with pytest.raises(ConfigError, match=r"limits\.regret_mean"):
         Scenario.from_data(data | {"limits": {"regret_mean": -1}}, "test")
+
+
+def test_a_certificate_is_judged_by_the_goal_of_its_sampling() -> None:
+    goal = Sampling(dearer=0.02, infeasible=0.005)
+    assert faults_of_certificate(goal, {"dearer_bound": 0.02, "infeasible_bound": 0.004}) == []
+    (dearer,) = faults_of_certificate(goal, {"dearer_bound": 0.031, "infeasible_bound": 0.004})
+    assert "0.031, more than tasks.sampling.dearer = 0.02" in dearer
+    assert len(faults_of_certificate(goal, {"dearer_bound": 0.5, "infeasible_bound": 0.5})) == 2
+    assert faults_of_certificate(goal, None) == [
+        "no certificate: tasks.sampling.most = 1000 tasks were searched before one could be tried"
+    ]
