@@ -30,6 +30,7 @@ try:
     from gaitflow.cli.robot import robot
     from gaitflow.cli.show import show
     from gaitflow.cli.stages import atlas, label, publish, report, run, solve, train
+    from gaitflow.cli.sweep import sweep
     from gaitflow.cli.trace import trace
     from gaitflow.cli.upload import upload
     from gaitflow.cli.walk import walk
@@ -40,6 +41,7 @@ except ImportError as error:
 COMMANDS = (
     init,
     run, solve, label, atlas, train, publish, report,  # a map's stages
+    sweep,
     estimate, submit, cancel, doctor, compact,  # on a cluster
     plan, models, datasets, labels, show, trace, export, upload, walk, drive,  # what a map is for
     status, validate, verify, certify, robot, paper, bench,

@@ -8,6 +8,7 @@ from pathlib import Path
 from gaitflow import shipped
 from gaitflow.config.file import ConfigError, meant
 from gaitflow.config.scenario import Scenario, load_scenario
+from gaitflow.config.sweep import Sweep, load_sweep
 
 
 @dataclass(frozen=True)
@@ -78,6 +79,23 @@ class Run:
 
 
 @dataclass(frozen=True)
+class SweepRun:
+    """The folder of one scenario's sweep, with the units of all its robots, and its files."""
+
+    folder: Path
+
+    @property
+    def table(self) -> Path:
+        """The labels of every robot."""
+        return self.folder / "sweep.parquet"
+
+    @property
+    def robots(self) -> Path:
+        """The robots that were sampled."""
+        return self.folder / "robots.json"
+
+
+@dataclass(frozen=True)
 class Workspace:
     """A folder where `runs/`, `datasets/` and `models/` grow; what is in its `configs/` comes before what ships."""
 
@@ -108,20 +126,35 @@ class Workspace:
         A robot of the workspace comes before one of the same name that ships.
         Raises ConfigError when there is none, listing those there are, and when the file cannot be used.
         """
-        file = self._scenario_file(name)
+        file = self._file("scenario", name, shipped.SCENARIOS)
         scenario = load_scenario(file, self.root / "configs" / "robots")
         if not is_path(name) and scenario.name != name:
             raise ConfigError(f"{file}: name = {scenario.name!r}: must be {name!r}, as the file is called")
         return scenario
 
-    def _scenario_file(self, name: str) -> Path:
+    def sweep_run(self, scenario: str, sweep: Sweep) -> SweepRun:
+        """The run of a sweep over the scenario of that name."""
+        return SweepRun(self.root / "runs" / f"{scenario}-{sweep.name}")
+
+    def sweep(self, name: str) -> Sweep:
+        """The sweep called `name` in configs/sweeps or among those that ship, or in a YAML file of that path.
+
+        Raises ConfigError as `scenario` does.
+        """
+        file = self._file("sweep", name, shipped.SWEEPS)
+        sweep = load_sweep(file)
+        if not is_path(name) and sweep.name != name:
+            raise ConfigError(f"{file}: name = {sweep.name!r}: must be {name!r}, as the file is called")
+        return sweep
+
+    def _file(self, kind: str, name: str, ships: Path) -> Path:
         if is_path(name):
             return Path(name)
-        own = self.root / "configs" / "scenarios"
-        known = {file.stem: file for folder in (shipped.SCENARIOS, own) for file in folder.glob("*.yaml")}
+        own = self.root / "configs" / f"{kind}s"
+        known = {file.stem: file for folder in (ships, own) for file in folder.glob("*.yaml")}
         if name not in known:
             raise ConfigError(
-                f"scenario {name!r}: neither in {own} nor one that ships{meant(name, known)} there are "
+                f"{kind} {name!r}: neither in {own} nor one that ships{meant(name, known)} there are "
                 f"{', '.join(sorted(known))}; a path ending in .yaml works too"
             )
         return known[name]

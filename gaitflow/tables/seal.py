@@ -35,7 +35,7 @@ def write_sealed(
 ) -> None:
     """Write tables of one schema as one sealed Parquet file with its record (zstd at `level`, page checksums)."""
     # Numbers of a motion never repeat, but their exponents do: a column of each byte of them is what compresses well.
-    lists = [field.name for field in schema if pa.types.is_list(field.type) or pa.types.is_fixed_size_list(field.type)]
+    lists = [field.name for field in schema if _is_list_of_numbers(field.type)]
     writer = pq.ParquetWriter(
         file,
         schema,
@@ -50,6 +50,10 @@ def write_sealed(
             writer.write_table(table)
         writer.add_key_value_metadata({RECORD.decode(): json.dumps(record, sort_keys=True), KEY: BLANK})
     seal(file)
+
+
+def _is_list_of_numbers(kind: pa.DataType) -> bool:
+    return (pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind)) and pa.types.is_floating(kind.value_type)
 
 
 def seal(file: BinaryIO) -> None:
