@@ -11,20 +11,23 @@ import click
 from gaitflow.cli.errors import bad_input, print_json
 from gaitflow.cli.options import PUBLISHED, json_option, scenario_argument
 from gaitflow.pipeline import stages
+from gaitflow.pipeline.sweep import sweep_status
 from gaitflow.pipeline.workspace import Workspace
 
 
 @click.command()
 @scenario_argument
+@click.option("--sweep", help="Of SCENARIO's run with this sweep instead, with all its robots.")
 @json_option
 @click.pass_obj
-def status(workspace: Workspace, scenario: str, as_json: bool) -> None:
+def status(workspace: Workspace, scenario: str, sweep: str | None, as_json: bool) -> None:
     """Say how far the run of SCENARIO is.
 
     It works while the run is on, after it, and on another machine that sees the folder.
 
     \b
     Example: gaitflow status quickstart --json
+             gaitflow status half-cheetah-exact-effort --sweep half-cheetah
     """
     from gaitflow.execute.status import run_status
     from gaitflow.pipeline.sampling import chosen_tasks
@@ -32,9 +35,12 @@ def status(workspace: Workspace, scenario: str, as_json: bool) -> None:
 
     with bad_input():
         resolved = workspace.scenario(scenario)
-        run = workspace.run(resolved)
-        chosen = chosen_tasks(run, resolved) if resolved.tasks.adaptive else None
-        state = run_status(resolved, UnitStore(run.folder), chosen)
+        if sweep is None:
+            run = workspace.run(resolved)
+            chosen = chosen_tasks(run, resolved) if resolved.tasks.adaptive else None
+            state = run_status(resolved, UnitStore(run.folder), chosen)
+        else:
+            state = sweep_status(workspace, resolved, workspace.sweep(sweep))
     if as_json:
         return print_json(state.as_data())
     left = "unknown" if state.cpu_hours_left is None else f"{state.cpu_hours_left:.3f}"

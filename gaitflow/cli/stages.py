@@ -14,6 +14,7 @@ from gaitflow.core.task import AXES
 from gaitflow.pipeline import stages
 from gaitflow.pipeline.json_file import read_json
 from gaitflow.pipeline.snakemake import run_workflow
+from gaitflow.pipeline.sweep import shares_of_robots, sweep_report
 from gaitflow.pipeline.workspace import Workspace
 from gaitflow.runtime.remote import local_folder
 
@@ -208,10 +209,17 @@ def publish(workspace: Workspace, scenario: str, version: str | None, force: boo
 )
 @click.option("--claims", is_flag=True, help="Measure the paper's statements of section IV.A on the published labels.")
 @click.option("--exact-motion", is_flag=True, help="Write docs/results/exact-motion.md: maps of Euler and exact ones.")
+@click.option("--sweep", help="Write docs/results/sweep-SWEEP.md: the statements on all robots of this sweep.")
 @json_option
 @click.pass_obj
 def report(
-    workspace: Workspace, scenario: str | None, output: Path | None, claims: bool, exact_motion: bool, as_json: bool
+    workspace: Workspace,
+    scenario: str | None,
+    output: Path | None,
+    claims: bool,
+    exact_motion: bool,
+    sweep: str | None,
+    as_json: bool,
 ) -> None:
     """Draw the report of a map, or check the paper's claims.
 
@@ -223,9 +231,10 @@ def report(
     Example: gaitflow report quickstart
              gaitflow report models/anymal-energy --output anymal-report
              gaitflow report --claims
+             gaitflow report --sweep half-cheetah
     """
-    if [scenario is not None, claims, exact_motion].count(True) != 1:
-        raise click.UsageError("give a SCENARIO to draw, or --claims or --exact-motion without one")
+    if [scenario is not None, claims, exact_motion, sweep is not None].count(True) != 1:
+        raise click.UsageError("give a SCENARIO to draw, or --claims, --exact-motion or --sweep without one")
     with bad_input(), refused_artifact():
         if exact_motion:
             from gaitflow.report.exact_motion import write_exact_motion
@@ -236,7 +245,11 @@ def report(
             from gaitflow.report.claims import claims_data, claims_markdown
 
             found = stages.claims(workspace)
-            return print_json(claims_data(found)) if as_json else click.echo(claims_markdown(found), nl=False)
+            shares = shares_of_robots(workspace)
+            return print_json(claims_data(found)) if as_json else click.echo(claims_markdown(found, shares), nl=False)
+        if sweep is not None:
+            written = sweep_report(workspace, workspace.sweep(sweep))
+            return print_json([str(path) for path in written]) if as_json else click.echo("\n".join(map(str, written)))
         paths = _drawn(workspace, str(scenario), output)
     return print_json([str(path) for path in paths]) if as_json else click.echo("\n".join(map(str, paths)))
 

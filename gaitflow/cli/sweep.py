@@ -32,6 +32,8 @@ def sweep(workspace: Workspace, scenario: str, sweep: str, workers: int, profile
     from gaitflow.execute.run import RunFailed
     from gaitflow.execute.schedulers.base import SchedulerError
     from gaitflow.pipeline import sweep as stage
+    from gaitflow.report.claims import SCENARIOS
+    from gaitflow.report.sweep_page import share_texts, sweep_data
 
     with bad_input():
         resolved, given = workspace.scenario(scenario), workspace.sweep(sweep)
@@ -45,4 +47,9 @@ def sweep(workspace: Workspace, scenario: str, sweep: str, workers: int, profile
         click.echo(f"{count:5d}  {gait}")
     for status in ("infeasible", "failed"):
         click.echo(f"{int((labels['status'] == status).sum()):5d}  {status}")
+    if resolved.name in SCENARIOS:
+        for rule, shares in share_texts(sweep_data(stage.sweep_result(workspace, given))).items():
+            click.echo(f"statements of the paper by {rule}: holds for")
+            for name, told in shares.items():
+                click.echo(f"  {name:16} {told}")
     click.echo(workspace.sweep_run(resolved.name, given).table)

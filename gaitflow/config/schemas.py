@@ -19,6 +19,7 @@ from gaitflow.config.cluster import Profile
 from gaitflow.config.file import Config
 from gaitflow.config.robot import Robot
 from gaitflow.config.scenario import Scenario
+from gaitflow.config.sweep import Sweep
 from gaitflow.files import atomic_write
 
 PUBLISHED_SCENARIO = Path(gaitflow.__file__).parent / "runtime" / "scenario.schema.json"
@@ -36,7 +37,7 @@ def _schema(model: type[Config]) -> dict[str, Any]:
 
 
 def file_schemas() -> dict[str, dict[str, Any]]:
-    """Schema by file name: of a robot, of a cluster's profile, and of a scenario, which names its robot."""
+    """Schema by file name: of a robot, a cluster's profile, a sweep, and of a scenario, which names its robot."""
     robot, scenario = _schema(Robot), _schema(Scenario)
     scenario["properties"]["robot"] = {
         "description": "Name of a file in the folder of robots, without its ending.",
@@ -44,7 +45,12 @@ def file_schemas() -> dict[str, dict[str, Any]]:
     }
     for definition in ("Robot", *robot["$defs"]):
         del scenario["$defs"][definition]
-    return {"profile.schema.json": _schema(Profile), "robot.schema.json": robot, "scenario.schema.json": scenario}
+    return {
+        "profile.schema.json": _schema(Profile),
+        "robot.schema.json": robot,
+        "scenario.schema.json": scenario,
+        "sweep.schema.json": _schema(Sweep),
+    }
 
 
 def write_schemas(folder: Path) -> tuple[Path, ...]:

@@ -53,7 +53,7 @@ class Sweep(Config):
     samples: Annotated[int, Field(ge=1, le=10_000)]
     seed: Annotated[int, Field(ge=0)] = 0
     ranges: Annotated[dict[str, Sampled], Field(min_length=1)]  # [low, high], or {factor: [low, high]}
-    axes: dict[str, Range] = FrozenDict()  # of tasks, in place of the scenario's ranges: a coarser grid
+    axes: dict[str, Range] = Field(default_factory=FrozenDict)  # in place of ranges of the tasks: a coarser grid
 
     @field_validator("ranges")
     @classmethod
@@ -92,13 +92,13 @@ def sampled(scenario: Scenario, sweep: Sweep) -> tuple[Sample, ...]:
     """
     data = _on_axes(scenario, sweep)
     for name, span in sweep.ranges.items():
-        _check_numbers(data, name, span, f"{sweep.name}: ranges.{name}")
+        _check_numbers(data, name, span, f"sweep {sweep.name}: ranges.{name}")
         for end, value in zip(("low", "high"), _ends(span), strict=True):
-            _with_values(data, sweep, {name: value}, f"{sweep.name}: ranges.{name}, {end} end {value:g}")
+            _with_values(data, sweep, {name: value}, f"sweep {sweep.name}: ranges.{name}, {end} end {value:g}")
     samples = []
     for number, values in enumerate(_drawn(sweep)):
         told = ", ".join(f"{name} {value:g}" for name, value in values.items())
-        one = _with_values(data, sweep, values, f"{sweep.name}: sample {number} ({told})")
+        one = _with_values(data, sweep, values, f"sweep {sweep.name}: sample {number} ({told})")
         samples.append(Sample(number, FrozenDict(values), one))
     return tuple(samples)
 
@@ -133,7 +133,7 @@ def _on_axes(scenario: Scenario, sweep: Sweep) -> dict[str, Any]:
     for axis in sweep.axes:
         if axis not in ranges:
             raise ConfigError(
-                f"{sweep.name}: axes.{axis}: has no range in {scenario.name}{meant(axis, ranges)} allowed: "
+                f"sweep {sweep.name}: axes.{axis}: has no range in {scenario.name}{meant(axis, ranges)} allowed: "
                 f"{', '.join(ranges)}"
             )
     data["tasks"]["axes"] |= {axis: values.as_data() for axis, values in sweep.axes.items()}
@@ -144,7 +144,7 @@ def _on_axes(scenario: Scenario, sweep: Sweep) -> dict[str, Any]:
 def _check_numbers(data: dict[str, Any], name: str, span: Span, source: str) -> None:
     """Raises ConfigError unless the parameter is a fixed axis, one number of the robot, or several to be multiplied."""
     if name in AXES:
-        if not isinstance(data["tasks"]["axes"].get(name, AXES[name].default), float):
+        if isinstance(data["tasks"]["axes"].get(name), Mapping):
             raise ConfigError(f"{source}: has a range in the scenario; only an axis that it fixes can be sampled")
         return
     try:
@@ -163,13 +163,19 @@ def _with_values(data: dict[str, Any], sweep: Sweep, values: Mapping[str, float]
     for name, value in values.items():
         change = _change(sweep.ranges[name], value)
         if name in AXES:
-            axes[name] = change(axes.get(name, AXES[name].default))
+            axes[name] = change(_fixed(axes, name))
         else:
             robot = changed(robot, name, change)
     try:
         return Scenario.from_data(data | {"robot": robot, "tasks": data["tasks"] | {"axes": axes}}, source)
     except ConfigError as error:
         raise ConfigError(str(error).splitlines()[0]) from None
+
+
+def _fixed(axes: Mapping[str, Any], name: str) -> float:
+    value = axes.get(name, AXES[name].default)
+    assert value is not None, "no scenario is without the axis that has no default"
+    return float(value)
 
 
 def _change(span: Span, value: float) -> Change:

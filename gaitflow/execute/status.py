@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -17,7 +17,7 @@ from gaitflow.execute.schedulers.jobs import jobs_of
 from gaitflow.store.attempts import LostAttempt
 from gaitflow.store.journal import read_journal
 from gaitflow.store.parts import UnitStore
-from gaitflow.store.units import plan_units
+from gaitflow.store.units import Unit, plan_units
 
 LATEST_ERRORS = 5
 
@@ -73,7 +73,12 @@ def run_status(scenario: Scenario, store: UnitStore, chosen: Sequence[Task] | No
 
     `chosen` are the tasks that an adaptive sampling has chosen so far.
     """
-    planned = {unit.digest for unit in plan_units(scenario, chosen)}
+    return units_status(scenario.name, plan_units(scenario, chosen), store)
+
+
+def units_status(name: str, units: Iterable[Unit], store: UnitStore) -> RunStatus:
+    """The same of any units of work; `name` is what the run is called."""
+    planned = {unit.digest for unit in units}
     stored = store.solved() & planned
     failed = store.attempts.given_up() & stored
     left = len(planned) - len(stored)
@@ -85,7 +90,7 @@ def run_status(scenario: Scenario, store: UnitStore, chosen: Sequence[Task] | No
     hours_left = hours / len(spent) * left - hours_begun if spent else (0.0 if not left else None)
     jobs = _jobs(store.folder)
     return RunStatus(
-        scenario=scenario.name,
+        scenario=name,
         units=len(planned),
         solved=len(stored) - len(failed),
         failed=len(failed),

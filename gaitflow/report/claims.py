@@ -89,6 +89,17 @@ def check_claims(labels: Mapping[str, pd.DataFrame], motions: Mapping[str, Regio
     )
 
 
+def outcomes(labels: Mapping[str, pd.DataFrame], exact: bool) -> dict[str, Outcome]:
+    """What each statement that these labels suffice for comes to, by its id; labels of one robot, by figure ("4a").
+
+    Raises ValueError when a labels frame has no grid task.
+    """
+    merged = REVERSED if exact else {}
+    grids = {figure: GaitGrid.from_labels(frame, merged) for figure, frame in labels.items()}
+    asked = [check for check in CHECKS if not check.on_motions and grids.keys() >= set(check.needs)]
+    return {check.id: check.measure(*(grids[figure] for figure in check.needs)) for check in asked}
+
+
 def _regions(motions: Mapping[str, Regions], names: Mapping[str, str]) -> Mapping[str, Regions]:
     return {figure: motions[name] for figure, name in names.items() if name in motions}
 
@@ -102,13 +113,19 @@ def claims_data(claims: Sequence[Claim]) -> list[dict[str, Any]]:
     return [asdict(claim) for claim in claims]
 
 
-def claims_markdown(claims: Sequence[Claim]) -> str:
-    """The rows as a Markdown table, one line per statement."""
-    titles = ("id", "the paper's statement", "forward Euler", "exact motion", "Euler's numbers", "exact numbers")
+def claims_markdown(claims: Sequence[Claim], shares: Mapping[str, Mapping[str, str]] | None = None) -> str:
+    """The rows as a Markdown table, one line per statement.
+
+    `shares` adds a column a rule of motion: by rule and statement, how many robots of a sweep keep it.
+    """
+    swept = dict(shares or {})
+    titles = ("id", "the paper's statement", "forward Euler", "exact motion", *(f"robots, {rule}" for rule in swept))
+    titles = (*titles, "Euler's numbers", "exact numbers")
     lines = [f"| {' | '.join(titles)} |", f"|{' --- |' * len(titles)}"]
     for claim in claims:
+        robots = [found.get(claim.id, "") for found in swept.values()]
         cells = (
-            claim.id, claim.statement, claim.verdict, claim.exact_verdict, claim.numbers, claim.exact_numbers,
+            claim.id, claim.statement, claim.verdict, claim.exact_verdict, *robots, claim.numbers, claim.exact_numbers,
         )  # fmt: skip
         lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
     return "\n".join(lines) + "\n"

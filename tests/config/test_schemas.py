@@ -16,13 +16,16 @@ from gaitflow.config.file import ConfigError
 from gaitflow.config.robot import Robot, load_robot
 from gaitflow.config.scenario import Scenario, load_scenario
 from gaitflow.config.schemas import PUBLISHED_SCENARIO, file_schemas, published_scenario, write_schemas
+from gaitflow.config.sweep import Sweep, load_sweep
 from gaitflow.runtime.json_schema import fault_of
 
 CONFIGS = Path(__file__).parents[2] / "configs"
 COMMITTED = Path(__file__).parents[2] / "workflow" / "schemas"
-SCENARIO, ROBOT = "scenario.schema.json", "robot.schema.json"
-FILES = [(ROBOT, path) for path in sorted((CONFIGS / "robots").glob("*.yaml"))] + [
-    (SCENARIO, path) for path in sorted((CONFIGS / "scenarios").glob("*.yaml"))
+SCENARIO, ROBOT, SWEEP = "scenario.schema.json", "robot.schema.json", "sweep.schema.json"
+FILES = [
+    (schema, path)
+    for schema, folder in ((ROBOT, "robots"), (SCENARIO, "scenarios"), (SWEEP, "sweeps"))
+    for path in sorted((CONFIGS / folder).glob("*.yaml"))
 ]
 
 
@@ -71,6 +74,7 @@ def test_every_field_and_every_definition_is_there() -> None:
     schemas = file_schemas()
     assert list(schemas[SCENARIO]["properties"]) == list(Scenario.model_fields)
     assert list(schemas[ROBOT]["properties"]) == list(Robot.model_fields)
+    assert list(schemas[SWEEP]["properties"]) == list(Sweep.model_fields)
     for schema in schemas.values():
         text = json.dumps(schema)
         assert all(f'"#/$defs/{name}"' in text for name in schema["$defs"]), "a definition that nothing refers to"
@@ -89,17 +93,26 @@ BROKEN: list[tuple[str, str, Any]] = [
     (SCENARIO, "terrain", {"slope_deg": 90}),
     (SCENARIO, "tasks", None),
     (SCENARIO, "colour", "red"),
+    (SWEEP, "samples", 0),
+    (SWEEP, "ranges", {}),
+    (SWEEP, "ranges", {"mass": [1.0]}),
+    (SWEEP, "ranges", {"mass": {"factor": [0.5, 2.0], "step": 0.1}}),
+    (SWEEP, "robot", "half_cheetah"),
 ]
 
 
 @pytest.mark.parametrize(("name", "field", "value"), BROKEN)
 def test_schema_and_model_refuse_the_same(name: str, field: str, value: Any, tmp_path: Path) -> None:
-    good = CONFIGS / ("robots/half_cheetah.yaml" if name == ROBOT else "scenarios/quickstart.yaml")
-    data = load(good) | {field: value}
-    path = tmp_path / good.name
+    good, read = {
+        ROBOT: ("robots/half_cheetah.yaml", load_robot),
+        SCENARIO: ("scenarios/quickstart.yaml", lambda path: load_scenario(path, robots=CONFIGS / "robots")),
+        SWEEP: ("sweeps/half-cheetah.yaml", load_sweep),
+    }[name]
+    data = load(CONFIGS / good) | {field: value}
+    path = tmp_path / Path(good).name
     path.write_text(yaml.safe_dump(data), encoding="utf-8")
     errors = list(validator(name).iter_errors(data))
     assert len(errors) == 1
     assert field in f"{errors[0].json_path} {errors[0].message}"
     with pytest.raises(ConfigError, match=field):
-        load_robot(path) if name == ROBOT else load_scenario(path, robots=CONFIGS / "robots")
+        read(path)
