@@ -20,6 +20,7 @@ from code_blocks import blocks_of, code_of, shell_lines
 from gaitflow.cli import main
 from gaitflow.config.cluster import Profile
 from gaitflow.config.scenario import Scenario, load_scenario
+from gaitflow.config.sweep import Sweep, sampled
 from gaitflow.pipeline.workspace import Workspace
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -56,6 +57,7 @@ PARSED = {
     "solve": "solves",
     "status": "needs a run",
     "submit": "needs Slurm",
+    "sweep": "solves",
     "walk": "a simulation; the Python of the page runs one",
 }
 OTHER_PROGRAMS = {
@@ -152,11 +154,13 @@ YAML = [(page, code) for page in PAGES for code in code_of(PAGES[page], "yaml")]
 
 
 @pytest.mark.parametrize(("page", "code"), YAML)
-def test_yaml_is_a_scenario_or_a_profile_or_a_part_of_one(page: str, code: str, workspace: Path) -> None:
+def test_yaml_is_a_scenario_a_sweep_or_a_profile_or_a_part_of_one(page: str, code: str, workspace: Path) -> None:
     data = yaml.safe_load(code)
     if set(data) <= set(Profile.model_fields):
         profile = yaml.safe_load((ROOT / "slurm/profiles/centre-48h.yaml").read_text(encoding="utf-8"))
         assert Profile.from_data(profile | data, page)
+    elif "ranges" in data:
+        assert sampled(Workspace(workspace).scenario("half-cheetah-exact-effort"), Sweep.from_data(data, page))
     else:
         assert set(data) <= set(Scenario.model_fields)
         whole = yaml.safe_load((ROOT / "configs/scenarios/half-cheetah-exact-effort.yaml").read_text(encoding="utf-8"))

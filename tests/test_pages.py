@@ -18,7 +18,7 @@ from gaitflow.config.scenario import load_scenario
 README_LINES = 120
 WIDTH = 120
 # What the placeholders of the pages stand for; anything else is a name of something that exists.
-PLACEHOLDERS = {"SCENARIO", "NAME", "MODEL", "MAP", "DATASET", "FILE", "COMMAND", "DIR", "my-scenario"}
+PLACEHOLDERS = {"SCENARIO", "SWEEP", "NAME", "MODEL", "MAP", "DATASET", "FILE", "COMMAND", "DIR", "my-scenario"}
 COMMAND = re.compile(r"^ {4}(gaitflow .*)$|`(gaitflow [a-z][^`\\]*)`", re.MULTILINE)
 TUTORIAL = "docs/your-own-robot.md"  # makes its own scenario; test_tutorial.py runs all of it
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)

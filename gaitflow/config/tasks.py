@@ -56,7 +56,7 @@ def _spread(scenario: Scenario, sampling: Sampling) -> list[Values]:
 
     ranges = scenario.tasks.ranges.values()
     number = sampling.first(len(ranges))
-    unit = qmc.Sobol(len(ranges), seed=sampling.seed).random_base2(max(number - 1, 1).bit_length())[:number]
+    unit = qmc.Sobol(len(ranges), rng=sampling.seed).random_base2(max(number - 1, 1).bit_length())[:number]
     low, high = (np.array([getattr(values, end) for values in ranges]) for end in ("start", "stop"))
     return [tuple(values) for values in (low + unit * (high - low)).round(DECIMALS).tolist()]
 

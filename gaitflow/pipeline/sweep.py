@@ -141,9 +141,8 @@ def _published(workspace: Workspace, table: SweepTable) -> pd.DataFrame | None:
         return None
     labels = read_labels(folder / str(versions[-1])).to_pandas()
     axes = list(table.scenario.tasks.ranges)
-    wanted = set(table.frame[axes].round(9).itertuples(index=False, name=None))
-    there = [key in wanted for key in labels[axes].round(9).itertuples(index=False, name=None)]
-    found = labels[there & (labels["split"] == "grid")]
+    wanted = table.frame[axes].round(9).drop_duplicates()
+    found = labels[labels["split"] == "grid"].round(dict.fromkeys(axes, 9)).merge(wanted, on=axes)
     return found if len(found) == len(wanted) else None
 
 

@@ -27,18 +27,20 @@ def draw_sweep(shares: Mapping[str, Mapping[str, Share]], title: str) -> Figure:
     parameters = list(
         dict.fromkeys(key for found in shares.values() for one in found.values() for key in one.influences)
     )
-    figure = Figure(figsize=(4.6 + 3.2 * len(shares), 2.4 + LINE * len(names)), dpi=150, layout="constrained")
-    widths = (1.0, *(0.9 for _ in shares))
-    left, *panels = figure.subplots(1, 1 + len(shares), sharey=True, width_ratios=widths)
+    panels = len(shares) if parameters else 0  # nothing decides where all robots agree
+    figure = Figure(figsize=(4.6 + 3.2 * panels, 2.4 + LINE * len(names)), dpi=150, layout="constrained")
+    grid = figure.subplots(1, 1 + panels, squeeze=False, sharey=True, width_ratios=(1.0, *[0.9] * panels))
+    left, *right = grid.flat
     _draw_shares(left, shares, names)
-    for axes, (rule, found) in zip(panels, shares.items(), strict=True):
+    for axes, (rule, found) in zip(right, shares.items(), strict=False):
         _draw_correlations(axes, found, names, parameters)
         axes.set_title(f"{rule}: rank correlation", fontsize=10, loc="left")
-    scale = ScalarMappable(cmap="RdBu_r")
-    scale.set_clim(-1, 1)
-    bar = figure.colorbar(scale, ax=panels, shrink=0.5, pad=0.02)
-    bar.set_label(f"holds for larger values (red), smaller (blue); dot: p < {SURE:g}", fontsize=8)
-    bar.ax.tick_params(labelsize=8)
+    if right:
+        scale = ScalarMappable(cmap="RdBu_r")
+        scale.set_clim(-1, 1)
+        bar = figure.colorbar(scale, ax=right, shrink=0.5, pad=0.02)
+        bar.set_label(f"holds for larger values (red), smaller (blue); dot: p < {SURE:g}", fontsize=8)
+        bar.ax.tick_params(labelsize=8)
     figure.suptitle(title, fontsize=12, x=0.01, ha="left")
     return figure
 

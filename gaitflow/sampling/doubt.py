@@ -53,7 +53,7 @@ def next_places(
     searched [n, a] are the places that were, regrets [n] what the picks there had cost too much before that. Each place
     is taken as searched when the next one is chosen, so they lie apart. Equal arguments give equal places.
     """
-    unit = qmc.Sobol(len(low), seed=seed).random(CANDIDATES)
+    unit = qmc.Sobol(len(low), rng=seed).random(CANDIDATES)
     candidates = low + unit * (high - low)
     wrong = np.array([possible_regret(atlas, place) for place in candidates])
     known = searched / atlas.steps

@@ -87,7 +87,7 @@ def test_a_sweep_that_was_killed_goes_on_and_is_reported(tmp_path: Path) -> None
     assert "robots, exact motion" not in titles, "that sweep was not run"
 
 
-def test_a_sweep_of_another_file_of_that_name_does_not_count(tmp_path: Path) -> None:
+def test_a_report_without_a_run_says_what_to_run(tmp_path: Path) -> None:
     root = workspace_with(tmp_path)
     done = call(root, "report", "--sweep", PAPERS)
     assert done.exit_code == 2

@@ -116,5 +116,7 @@ def test_the_document_says_the_same_in_words_data_and_picture(
     assert all(len(line) <= 120 or line.startswith("|") for line in page.splitlines())
     assert len(data["robots"]) == ROBOTS and len(data["rules"][0]["robots"]) == ROBOTS
     assert png_of(draw_sweep(result.shares, "made")).startswith(b"\x89PNG")
+    agreed = {"forward Euler": sweep_shares(verdicts[["4a-bounding"]], parameters)}
+    assert png_of(draw_sweep(agreed, "nothing decides")).startswith(b"\x89PNG")
     with pytest.raises(ValueError, match="no statement was asked"):
         draw_sweep({"forward Euler": {}}, "nothing")
