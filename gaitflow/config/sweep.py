@@ -136,9 +136,8 @@ def _on_axes(scenario: Scenario, sweep: Sweep) -> dict[str, Any]:
                 f"sweep {sweep.name}: axes.{axis}: has no range in {scenario.name}{meant(axis, ranges)} allowed: "
                 f"{', '.join(ranges)}"
             )
-    data["tasks"]["axes"] |= {axis: values.as_data() for axis, values in sweep.axes.items()}
-    data["tasks"]["held_out"] = 0  # nothing is learnt from a sweep
-    return data
+    axes = data["tasks"]["axes"] | {axis: values.as_data() for axis, values in sweep.axes.items()}
+    return data | {"tasks": {"axes": axes}}  # and none held out: nothing is learnt from a sweep
 
 
 def _check_numbers(data: dict[str, Any], name: str, span: Span, source: str) -> None:

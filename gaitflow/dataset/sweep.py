@@ -11,7 +11,6 @@ from typing import Any
 
 import pandas as pd
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from gaitflow.config.file import ConfigError
 from gaitflow.config.scenario import Scenario
@@ -27,9 +26,11 @@ from gaitflow.tables.columns import described
 from gaitflow.tables.provenance import KEY, made_by
 from gaitflow.tables.schema import scalar_columns, solution_schema
 from gaitflow.tables.seal import check_seal, write_sealed
+from gaitflow.tables.untrusted import opened, read_table
 
 FORMAT, KIND = 1, "sweep"
 SAMPLE = "sample"
+MAX_ROWS, MAX_BYTES = 100_000_000, 16 << 30
 UNITS = {
     "mass": "kg",
     "inertia": "kg m^2",
@@ -92,9 +93,10 @@ def write_sweep(path: Path, scenario: Scenario, sweep: Sweep, frame: pd.DataFram
 def read_sweep(path: Path) -> SweepTable:
     """Read what `write_sweep` wrote. Raises ValueError that names the file when it is damaged or something else."""
     check_seal(path)
-    table = pq.read_table(path)
+    with opened(path, MAX_ROWS) as file:
+        table, metadata = read_table(file, path, MAX_BYTES), file.metadata.metadata or {}
     try:
-        record: dict[str, Any] = json.loads((pq.read_metadata(path).metadata or {})[KEY])
+        record: dict[str, Any] = json.loads(metadata[KEY])
         if (record["kind"], record["format"]) != (KIND, FORMAT):
             raise ValueError(f"its record is {record['kind']!r} of format {record['format']!r}")
         scenario = Scenario.from_data(record["scenario"], str(path))

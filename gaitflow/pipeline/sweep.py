@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.config.sweep import Sample, Sweep, sampled
-from gaitflow.files import make_folder
+from gaitflow.files import atomic_write, make_folder
 from gaitflow.pipeline.workspace import Workspace
 
 if TYPE_CHECKING:
@@ -40,12 +41,11 @@ def sweep(
     """
     from gaitflow.dataset.sweep import sweep_labels, write_sweep
     from gaitflow.pipeline.drive import drive
-    from gaitflow.pipeline.stages import write_json
     from gaitflow.store.parts import UnitStore
 
     samples, run = sampled(scenario, given), workspace.sweep_run(scenario.name, given)
     make_folder(run.folder)
-    write_json(run.robots, [_robot(sample) for sample in samples])
+    atomic_write(run.robots, _json([_robot(sample) for sample in samples]))
     store = UnitStore(run.folder)
     drive(sweep_units(samples), store, run.folder.name, workers, profile)
     labels = sweep_labels(store, samples)
@@ -84,8 +84,6 @@ def sweep_result(workspace: Workspace, given: Sweep) -> SweepResult:
 
 def sweep_report(workspace: Workspace, given: Sweep) -> list[Path]:
     """Write the document of a sweep, as Markdown, JSON and a picture, into docs/results. Raises as `sweep_result`."""
-    from gaitflow.files import atomic_write
-    from gaitflow.pipeline.stages import write_json
     from gaitflow.report.report import png_of
     from gaitflow.report.sweep_chart import draw_sweep
     from gaitflow.report.sweep_page import sweep_data, sweep_page
@@ -94,18 +92,17 @@ def sweep_report(workspace: Workspace, given: Sweep) -> list[Path]:
     page, data, picture = (workspace.results / f"sweep-{given.name}.{kind}" for kind in ("md", "json", "png"))
     title = f"The paper's statements on {len(result.parameters)} robots"
     atomic_write(page, sweep_page(result, picture.name).encode())
-    write_json(data, sweep_data(result))
+    atomic_write(data, _json(sweep_data(result)))
     atomic_write(picture, png_of(draw_sweep(result.shares, title)))
     return [page, data, picture]
 
 
 def shares_of_robots(workspace: Workspace) -> dict[str, dict[str, str]]:
     """By rule of motion and statement, how many robots of the sweep PAPERS keep it; nothing without its document."""
-    from gaitflow.pipeline.stages import read_json
     from gaitflow.report.sweep_page import share_texts
 
     file = workspace.results / f"sweep-{PAPERS}.json"
-    return share_texts(read_json(file)) if file.exists() else {}
+    return share_texts(json.loads(file.read_bytes())) if file.exists() else {}
 
 
 def _tables(workspace: Workspace, given: Sweep, names: Mapping[str, str]) -> dict[str, SweepTable]:
@@ -146,5 +143,9 @@ def _published(workspace: Workspace, table: SweepTable) -> pd.DataFrame | None:
     return found if len(found) == len(wanted) else None
 
 
-def _robot(sample: Sample) -> dict[str, object]:
+def _json(data: Any) -> bytes:
+    return (json.dumps(data, indent=1, allow_nan=False) + "\n").encode()
+
+
+def _robot(sample: Sample) -> dict[str, Any]:
     return {"sample": sample.number, "values": dict(sample.values), "robot": sample.scenario.robot.as_data()}
