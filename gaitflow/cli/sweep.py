@@ -42,14 +42,14 @@ def sweep(workspace: Workspace, scenario: str, sweep: str, workers: int, profile
             labels = stage.sweep(workspace, resolved, given, workers, profile)
         except (RunFailed, NotComplete, DriverAlive, SchedulerError) as error:
             fail(str(error))
+        known = share_texts(sweep_data(stage.sweep_result(workspace, given))) if resolved.name in SCENARIOS else {}
     counts = labels.loc[labels["status"] == "solved", "gait"].value_counts()
     for gait, count in counts.items():
         click.echo(f"{count:5d}  {gait}")
     for status in ("infeasible", "failed"):
         click.echo(f"{int((labels['status'] == status).sum()):5d}  {status}")
-    if resolved.name in SCENARIOS:
-        for rule, shares in share_texts(sweep_data(stage.sweep_result(workspace, given))).items():
-            click.echo(f"statements of the paper by {rule}: holds for")
-            for name, told in shares.items():
-                click.echo(f"  {name:16} {told}")
+    for rule, shares in known.items():
+        click.echo(f"robots that keep a statement of the paper, by {rule}:")
+        for name, told in shares.items():
+            click.echo(f"  {name:16} {told}")
     click.echo(workspace.sweep_run(resolved.name, given).table)

@@ -39,7 +39,6 @@ UNITS = {
     "max_force": "N",
     "max_foot_speed": "m/s",
     "max_tilt": "rad",
-    "limbs": "SI",
 }  # of a robot's parameters, by what their names begin with
 
 

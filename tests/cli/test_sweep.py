@@ -70,7 +70,7 @@ def test_a_sweep_that_was_killed_goes_on_and_is_reported(tmp_path: Path) -> None
     assert done.exit_code == 0, done.output
     after = parts(run)
     assert len(after) == 2 and before.items() <= after.items(), "nothing is solved twice"
-    assert "statements of the paper by forward Euler: holds for\n  4a-walking" in done.stdout
+    assert "robots that keep a statement of the paper, by forward Euler:\n  4a-walking" in done.stdout
     assert done.stdout.splitlines()[-1] == str(run / "sweep.parquet")
     table = read_sweep(run / "sweep.parquet")
     assert len(table.frame) == 4 and (table.frame["status"] == "solved").all()
