@@ -79,7 +79,7 @@ def sweep_result(workspace: Workspace, given: Sweep) -> SweepResult:
             f"run `gaitflow sweep SCENARIO {given.name}` first, with one of {some}"
         )
     one = next(table for found in tables for table in found.values())
-    return SweepResult(given, one.parameters, rules)
+    return SweepResult(given, one.parameters[list(given.ranges)], rules)
 
 
 def sweep_report(workspace: Workspace, given: Sweep) -> list[Path]:
