@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from gaitflow.config.scenario import Scenario
 from gaitflow.config.sweep import Sample, Sweep, sampled
 from gaitflow.files import atomic_write, make_folder
+from gaitflow.pipeline.json_file import read_json, write_json
 from gaitflow.pipeline.workspace import Workspace
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def sweep(
 
     samples, run = sampled(scenario, given), workspace.sweep_run(scenario.name, given)
     make_folder(run.folder)
-    atomic_write(run.robots, _json([_robot(sample) for sample in samples]))
+    write_json(run.robots, [_robot(sample) for sample in samples])
     store = UnitStore(run.folder)
     drive(sweep_units(samples), store, run.folder.name, workers, profile)
     labels = sweep_labels(store, samples)
@@ -92,7 +92,7 @@ def sweep_report(workspace: Workspace, given: Sweep) -> list[Path]:
     page, data, picture = (workspace.results / f"sweep-{given.name}.{kind}" for kind in ("md", "json", "png"))
     title = f"The paper's statements on {len(result.parameters)} robots"
     atomic_write(page, sweep_page(result, picture.name).encode())
-    atomic_write(data, _json(sweep_data(result)))
+    write_json(data, sweep_data(result))
     atomic_write(picture, png_of(draw_sweep(result.shares, title)))
     return [page, data, picture]
 
@@ -102,7 +102,7 @@ def shares_of_robots(workspace: Workspace) -> dict[str, dict[str, str]]:
     from gaitflow.report.sweep_page import share_texts
 
     file = workspace.results / f"sweep-{PAPERS}.json"
-    return share_texts(json.loads(file.read_bytes())) if file.exists() else {}
+    return share_texts(read_json(file)) if file.exists() else {}
 
 
 def _tables(workspace: Workspace, given: Sweep, names: Mapping[str, str]) -> dict[str, SweepTable]:
@@ -141,10 +141,6 @@ def _published(workspace: Workspace, table: SweepTable) -> pd.DataFrame | None:
     wanted = table.frame[axes].round(9).drop_duplicates()
     found = labels[labels["split"] == "grid"].round(dict.fromkeys(axes, 9)).merge(wanted, on=axes)
     return found if len(found) == len(wanted) else None
-
-
-def _json(data: Any) -> bytes:
-    return (json.dumps(data, indent=1, allow_nan=False) + "\n").encode()
 
 
 def _robot(sample: Sample) -> dict[str, Any]:

@@ -86,6 +86,15 @@ def test_a_sample_is_the_scenario_with_another_robot_on_the_sweep_s_tasks(exact:
         assert one.scenario.model_dump(exclude=beside) == exact.model_dump(exclude=beside)
 
 
+def test_all_robots_are_asked_on_one_grid_whatever_the_scenario_says_of_its_tasks(exact: Scenario) -> None:
+    data = exact.as_data()
+    chosen = data["tasks"] | {"sampling": "adaptive", "held_out": 0}
+    adaptive = Scenario.from_data(data | {"tasks": chosen}, "test")
+    assert [one.scenario for one in sampled(adaptive, sweep_of())] == [
+        one.scenario for one in sampled(exact, sweep_of())
+    ]
+
+
 REFUSED: list[tuple[dict[str, Any], str]] = [
     ({"mass": [-3.0, 4.0]}, "sweep test: ranges.mass, low end -3: robot.mass = -3.0: Input should be greater than 0"),
     (
