@@ -77,21 +77,28 @@ class Count:
         if unit is not None and receipt.solves:
             self._expectation().finished(unit, receipt.solves)
             self._solved_now += receipt.solves - receipt.known
-        self._look()
+        if self._due() or not self.state.left:  # not at each: a driver of many workers would do little else
+            self._look()
         self.tell(*notes)
 
     def look(self) -> None:
         """Look now and then how far the units in work are."""
-        if time.monotonic() >= self._next_look:
+        if self._due():
             before = self.state
             self._look()
             if self.state != before:
                 self.tell()
 
+    def _due(self) -> bool:
+        return time.monotonic() >= self._next_look
+
     def _look(self) -> None:
         begin = time.monotonic()
-        entries = [one for one in latest(self._journal) if one.time >= self._start and one.unit in self._left]
+        self._read()
         self._next_look = begin + max(READ_EVERY_S, (time.monotonic() - begin) / READING_SHARE)
+
+    def _read(self) -> None:
+        entries = [one for one in latest(self._journal) if one.time >= self._start and one.unit in self._left]
         in_work = {one.unit: one for one in sorted(entries, key=lambda one: one.solves) if one.event != "ended"}
         self.state = replace(self.state, in_work=len(in_work))
         if self._expected is not None or any(one.solves for one in in_work.values()):

@@ -100,7 +100,8 @@ def unended(folder: Path) -> dict[str, list[str]]:
 
 def latest(folder: Path) -> list[Entry]:
     """The last entry of every solver."""
-    return [entry for file in folder.glob("*.jsonl") for entry in _entries(_tail(file))[-1:]]
+    found = (_last_entry(_tail(file)) for file in folder.glob("*.jsonl"))
+    return [entry for entry in found if entry is not None]
 
 
 def write_off(folder: Path, unit: str, solvers: Iterable[str]) -> None:
@@ -110,13 +111,20 @@ def write_off(folder: Path, unit: str, solvers: Iterable[str]) -> None:
 
 
 def _entries(text: str) -> list[Entry]:
-    entries = []
-    for line in text.splitlines():
-        try:
-            entries.append(Entry(**json.loads(line)))
-        except (TypeError, ValueError):
-            continue
-    return entries
+    entries = map(_entry, text.splitlines())
+    return [entry for entry in entries if entry is not None]
+
+
+def _last_entry(text: str) -> Entry | None:
+    entries = map(_entry, reversed(text.splitlines()))
+    return next((entry for entry in entries if entry is not None), None)
+
+
+def _entry(line: str) -> Entry | None:
+    try:
+        return Entry(**json.loads(line))
+    except (TypeError, ValueError):
+        return None
 
 
 def _tail(path: Path) -> str:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
@@ -90,6 +91,25 @@ def test_the_time_left_forgets_how_slow_the_start_was(
         clock(seconds)
     assert told[-1].solves_left is not None
     assert told[-1].seconds_left == pytest.approx(told[-1].solves_left * 20 / 80)
+
+
+def test_how_often_the_journals_are_read_does_not_depend_on_the_receipts(
+    store: UnitStore, units: tuple[Unit, ...], clock: Callable[[float], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With hundreds of workers a driver that reads all their journals at every receipt does nothing else."""
+    reads: list[Path] = []
+    latest = module.latest
+    monkeypatch.setattr(module, "latest", lambda folder: reads.append(folder) or latest(folder))
+    told: list[RunState] = []
+    count = Count(units, frozenset(), set(), store.folder / "journal", told.append)
+    for unit in units[:5]:
+        count.add(Receipt(unit.digest, "solved", solves=60))
+    assert len(reads) == 1 and [state.left for state in told] == [6, 5, 4, 3, 2, 1]
+    clock(1.0)
+    count.look()
+    assert len(reads) == 2 and told[-1].solves == 300
+    count.add(Receipt(units[5].digest, "solved", solves=60))
+    assert (told[-1].left, told[-1].solves, told[-1].solves_left) == (0, 360, 0.0), "the last word is exact"
 
 
 def test_without_solves_the_units_tell_the_time(store: UnitStore, units: tuple[Unit, ...]) -> None:
