@@ -11,9 +11,10 @@ import random
 import threading
 import time
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, suppress
+from queue import Empty, SimpleQueue
 
-from distributed import Client, Future, KilledWorker, wait
+from distributed import Client, Future, KilledWorker
 
 from gaitflow.execute.count import Count, OnEvent, RunState
 from gaitflow.execute.receipt import Receipt
@@ -27,7 +28,7 @@ from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import Unit
 
 UNITS_PER_WORKER = 3  # submitted at a time: one in work, the next at hand
-POLL_S = 0.3  # how often a wait looks for a request to stop
+POLL_S = 0.3  # how often a wait looks for a request to stop, and how many workers there are
 REGISTRATIONS = 20  # tries to set up the workers while some of them die
 MAX_ROUNDS = 4  # of solving parts again that turned out damaged
 
@@ -100,22 +101,26 @@ def _drain(
     solve: str,
 ) -> None:
     _give_solvers(client, solve)
-    folder = str(store.folder.resolve())
     queue = missing[::-1]
     flying: dict[Future[Receipt], Unit] = {}
+    ended: SimpleQueue[Future[Receipt]] = SimpleQueue()
+    room, next_count = 0, 0.0
     while (queue or flying) and not stop.is_set():
         if hopeless := getattr(client.cluster, "hopeless", ""):  # of a pool of jobs, see `pool`
             raise RunFailed(f"{hopeless}: {_how_far(count.state, store)}")
-        room = window or UNITS_PER_WORKER * max(1, len(client.nthreads()))
-        while queue and len(flying) < room:
-            unit = queue.pop()
-            # Not pure: a unit that is submitted again must not be answered by what Dask remembers of it.
-            flying[client.submit(solve_unit, json.dumps(unit.as_data()), folder, pure=False)] = unit
+        if time.monotonic() >= next_count:
+            room = window or UNITS_PER_WORKER * max(1, len(client.nthreads()))
+            next_count = time.monotonic() + POLL_S
+        if batch := [queue.pop() for _ in range(min(len(queue), room - len(flying)))]:
+            flying |= _submit(batch, store, client, ended)
+        done = _ended(ended)
+        receipts = _receipts(client, done)
         killed = []
-        for future in _finished(list(flying)):
+        for future in done:
             unit = flying.pop(future)
-            receipt = _receipt(future)
+            receipt = receipts.get(unit.digest)
             if receipt is None:
+                _check_worker(future)
                 queue.append(unit)
                 if future.status == "error" and isinstance(future.exception(), KilledWorker):
                     killed.append(unit)
@@ -126,6 +131,19 @@ def _drain(
         count.look()
         if killed:
             give_up_after_lost_workers(store, killed)
+
+
+def _submit(
+    units: Sequence[Unit], store: UnitStore, client: Client, ended: SimpleQueue[Future[Receipt]]
+) -> dict[Future[Receipt], Unit]:
+    """Hand out units; each of the futures goes into `ended` when it has come to its end."""
+    folder = str(store.folder.resolve())
+    texts = [json.dumps(unit.as_data()) for unit in units]
+    # Not pure: a unit that is submitted again must not be answered by what Dask remembers of it.
+    futures: list[Future[Receipt]] = client.map(solve_unit, texts, folder=folder, pure=False)
+    for future in futures:
+        future.add_done_callback(ended.put)
+    return dict(zip(futures, units, strict=True))
 
 
 def _give_solvers(client: Client, solve: str) -> None:
@@ -143,20 +161,25 @@ def _give_solvers(client: Client, solve: str) -> None:
     raise RunFailed(f"workers cannot be set up ({last}); the cluster seems to go down again and again") from last
 
 
-def _finished(flying: list[Future[Receipt]]) -> set[Future[Receipt]]:
-    try:
-        return set(wait(flying, timeout=POLL_S, return_when="FIRST_COMPLETED").done)
-    except TimeoutError:
-        return set()
+def _ended(ended: SimpleQueue[Future[Receipt]]) -> list[Future[Receipt]]:
+    """All futures that have come to their end by now, after waiting a moment for the first one."""
+    found = []
+    with suppress(Empty):
+        found.append(ended.get(timeout=POLL_S))
+        while True:
+            found.append(ended.get_nowait())
+    return found
 
 
-def _receipt(future: Future[Receipt]) -> Receipt | None:
-    """What a finished task returned; None when its worker went away and the unit has to be submitted again."""
-    if future.status == "finished":
-        result = future.result()
-        assert isinstance(result, Receipt)
-        return result
+def _receipts(client: Client, futures: Sequence[Future[Receipt]]) -> dict[str, Receipt]:
+    """What finished tasks returned, by unit: fetched at once, as a round trip each would bound the rate of a run."""
+    finished = [future for future in futures if future.status == "finished"]
+    found = client.gather(finished, errors="skip") if finished else []
+    return {receipt.unit: receipt for receipt in found if isinstance(receipt, Receipt)}
+
+
+def _check_worker(future: Future[Receipt]) -> None:
+    """Raise RunFailed for a task without a receipt, unless its worker went away, and its unit is submitted again."""
     error = future.exception() if future.status == "error" else None
-    if error is None or isinstance(error, SolverClosed | KilledWorker):
-        return None
-    raise RunFailed(f"a worker cannot run units ({type(error).__name__}: {error})") from error
+    if error is not None and not isinstance(error, SolverClosed | KilledWorker):
+        raise RunFailed(f"a worker cannot run units ({type(error).__name__}: {error})") from error
