@@ -17,6 +17,7 @@ import dask
 from distributed import Client, LocalCluster
 
 from gaitflow.execute.drivers import the_local_driver
+from gaitflow.execute.open_files import allow_connections
 from gaitflow.execute.settings import SETTINGS
 from gaitflow.execute.tls import session_security
 
@@ -27,6 +28,7 @@ def local_client(workers: int = 2) -> Iterator[Client]:
 
     Workers that die are replaced. They never see a terminal's Ctrl-C: the run stops them.
     """
+    allow_connections(workers)
     with TemporaryDirectory(prefix="gaitflow-") as own, session_security(Path(own)) as security:  # 0700, both
         with dask.config.set(SETTINGS), _without_ctrl_c():
             cluster = LocalCluster(

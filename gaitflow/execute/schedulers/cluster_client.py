@@ -11,6 +11,7 @@ from distributed import Client
 
 from gaitflow.config.cluster import Profile
 from gaitflow.execute.drivers import the_driver
+from gaitflow.execute.open_files import allow_connections
 from gaitflow.execute.schedulers.choice import record_scheduler, scheduler_of
 from gaitflow.execute.schedulers.pool import OnNote, WorkerPool
 from gaitflow.execute.settings import CLUSTER_SETTINGS
@@ -25,11 +26,14 @@ def cluster_client(
 
     `run_folder` has to be on a file system that all nodes share: the credentials and the logs are there. No unit
     takes longer than `longest_unit_s`. `on_note` hears, from another thread, what a user should know: jobs lost or
-    refused. Raises DriverAlive when this run has a driver already, SchedulerError, OSError.
+    refused, or too few open files for so many workers. Raises DriverAlive when this run has a driver already,
+    SchedulerError, OSError.
     """
     scheduler = scheduler_of(profile)
     for name in ("cluster", "logs"):
         (run_folder / name).mkdir(parents=True, exist_ok=True)
+    if note := allow_connections(profile.jobs):
+        on_note(note)
     credentials = session_security(run_folder) if profile.tls else nullcontext()
     with (
         the_driver(run_folder, scheduler),
