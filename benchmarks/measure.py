@@ -13,7 +13,7 @@ import pandas as pd
 
 from benchmarks.clients import drive, starts, walk
 from benchmarks.hostile import bench as hostile
-from benchmarks.infrastructure import faults, overhead, speedup, store
+from benchmarks.infrastructure import faults, overhead, scale, speedup, store
 from benchmarks.online import cpp, map, online, select
 from benchmarks.paper import discovery, minlp, phases, ranking, stances, table1, table2
 from benchmarks.search import certificate, mesh, referee, scaling
@@ -37,8 +37,8 @@ def measure(
 ) -> dict[str, Any]:
     """Run one bench and return its document; `tasks` None takes the bench's own number.
 
-    `tasks` is for `scaling` the solves a size, for `referee` the solved patterns, for `store` the largest plan. With a
-    `profile`, `speedup` runs on the jobs of that cluster; no other bench takes one.
+    `tasks` is for `scaling` the solves a size, for `referee` the solved patterns, for `store` and `scale` the largest
+    plan. With a `profile`, `speedup` runs on the jobs of that cluster; no other bench takes one.
 
     Raises ValueError or FileNotFoundError when what a bench reads (a run, a published map) is not there,
     and for a profile where there can be none.
@@ -69,6 +69,7 @@ def measure(
         "phases": partial(_phases, workspace, scenario),
         "ranking": lambda: ranking.run(scenario, load_solutions(workspace.run(scenario).solutions)),
         "referee": lambda: referee.run(scenario, seed=seed, runs=runs, **own),
+        "scale": lambda: scale.run(scenario, runs=runs, **own),
         "scaling": partial(_scaling, workspace, tasks or 10, seed),
         "select": lambda: select.run(resolve(workspace.models / scenario.name), seed=seed),
         "speedup": lambda: speedup.run(scenario, profile=profile, runs=runs, **own),

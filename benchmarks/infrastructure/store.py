@@ -149,7 +149,7 @@ def _decide(scenario: Scenario, store: UnitStore) -> dict[str, Any]:
         run_units(units, store, no_cluster)
     except _Decided:
         decided_at = time.perf_counter()
-    peak = _peak_mb()
+    peak = peak_mb()
     listing = time.perf_counter()
     stored = store.solved()
     listed = time.perf_counter()
@@ -185,7 +185,7 @@ def _pack(scenario: Scenario, store: UnitStore) -> dict[str, Any]:
     return {"compact_s": time.perf_counter() - start, "packs": done.packs, "packed_mb": done.bytes / 1e6}
 
 
-def _peak_mb() -> float:
+def peak_mb() -> float:
     """Peak memory of this program. `ru_maxrss` would be at least that of the process that started it."""
     try:
         status = Path("/proc/self/status").read_text(encoding="ascii")
