@@ -16,6 +16,7 @@ from pathlib import Path
 
 import dask
 from distributed import Security, Worker, WorkerPlugin
+from distributed.core import ErrorMessage, OKMessage
 
 from benchmarks.infrastructure.idle import idle_solutions
 from gaitflow.execute.line_process import die_with
@@ -68,7 +69,7 @@ class StandIn(Worker):
 
     async def plugin_add(
         self, plugin: WorkerPlugin | bytes, name: str | None = None, catch_errors: bool = True
-    ) -> dict[str, str]:
+    ) -> ErrorMessage | OKMessage:
         """Called by the scheduler."""
         if name == SolverPlugin.name:
             plugin = SleeperPlugin(*self.sleeper)

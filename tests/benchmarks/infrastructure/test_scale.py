@@ -37,16 +37,22 @@ def test_the_time_in_which_all_workers_could_be_busy() -> None:
 def test_rows_take_about_the_same_time() -> None:
     every = points(100_000)
     assert Point(200, 1.0, 3750) in every and Point(10, 10.0, 50) in every and Point(400, 10.0, 2000) in every
-    assert {point.workers for point in every} == {*WORKERS, 1000}
+    assert {point.workers for point in every} == set(WORKERS)
     assert [(point.units, point.stores) for point in every][-2:] == [(100_000, False), (2000, True)]
 
 
-def test_up_to_how_many_workers_are_kept_busy() -> None:
-    row = {"workers": 50, "unit_s": 1.0, "units": 2000, "efficiency": 0.97, "per_s": 48.5, "driver_ms": 2.0}
-    rows = [row, row | {"workers": 100, "efficiency": 0.91, "per_s": 91.0}, row | {"workers": 200, "efficiency": 0.6}]
-    told = summarise([*rows, row | {"units": 50, "driver_ms": 90.0}])
-    assert told["workers_at_90_percent"] == {"0.1 s": None, "1 s": 100, "10 s": None}
-    assert (told["driver_ms_median"], told["driver_ms_most"], told["seen_per_s"]) == (2.0, 2.0, 91.0)
+def test_what_takes_the_driver_s_time_and_up_to_how_many_workers_are_kept_busy() -> None:
+    """Of 2 s once, 1 ms a unit and 0.1 ms a worker and second."""
+    rows = [
+        {"workers": workers, "unit_s": unit_s, "units": units, "wall_s": 30.0, "busy": busy, "per_s": units / 30}
+        | {"driver_ms": 2e3 / units + 1.0 + 0.1 * workers * 30 / units}
+        for workers, unit_s, units, busy in ((50, 1.0, 1500, 0.97), (100, 1.0, 2700, 0.91), (200, 0.1, 4500, 0.6))
+    ]
+    told = summarise(rows)
+    fitted = (told["driver_once_s"], told["driver_ms_per_unit"], told["driver_ms_per_worker_and_s"])
+    assert fitted == pytest.approx((2.0, 1.0, 0.1)) and told["driver_fit_least"] == pytest.approx(1.0)
+    assert told["workers_90_percent_busy"] == {"0.1 s": None, "1 s": 100, "10 s": None}
+    assert told["seen_per_s"] == 150.0
 
 
 @pytest.mark.slow
