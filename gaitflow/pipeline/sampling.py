@@ -18,6 +18,7 @@ from gaitflow.certificate.certificate import Certificate, certify
 from gaitflow.certificate.draw import EmptyDomain, draw_tasks
 from gaitflow.certificate.judge import Verdict
 from gaitflow.config.scenario import Scenario
+from gaitflow.config.tasks import tasks_of
 from gaitflow.core.task import Task
 from gaitflow.files import atomic_write
 from gaitflow.pipeline.atlas_record import atlas_record
@@ -57,11 +58,14 @@ def sample(run: Run, scenario: Scenario, search: Search, tell: Tell) -> list[Rou
     for number in range(sampling.most):  # no sampling has as many rounds, as each searches a task at least
         if number == len(rounds):
             left = sampling.most - sum(len(one.tasks) for one in rounds)
-            kind, tasks = steps.next_round(left)
-            if not tasks:
+            kind = steps.next_kind(left)
+            if kind is None:
                 break
-            rounds.append(Round(kind, tuple(tasks)))
+            steps.begin(kind)
+            rounds.append(Round(kind, tuple(steps.tasks_of(kind, left))))
             _write(run, scenario, rounds)
+        else:
+            steps.begin(rounds[number].kind)
         search(rounds[number].tasks)
         rounds[number] = steps.done(rounds[number])
         if not making.labelled:
@@ -93,38 +97,49 @@ class _Steps:
         self._making, self._seed = making, seed
         sampling = making.scenario.tasks.adaptive
         assert sampling is not None
-        self._sampling, self._axes = sampling, len(making.scenario.tasks.ranges)
+        self._sampling = sampling
         self._quiet = False
         self._asked = 0
-        self._rounds = 0
+        self._rounds = self._certificates = 0
         self._drawn: list[Task] = []  # of the certificate that is being tried
         self._verdicts: list[Verdict] = []
         self.certificate: Certificate | None = None
         self.missed = 0
         self.curve: list[dict[str, Any]] = []
 
-    def next_round(self, left: int) -> tuple[Kind, list[Task]]:
-        """The kind and the tasks of the next round, of at most `left`; no tasks when the sampling is over."""
-        making = self._making
-        if not making.tasks:
-            from gaitflow.config.tasks import tasks_of
-
-            return "start", list(tasks_of(making.scenario))[:left]
+    def next_kind(self, left: int) -> Kind | None:
+        """The kind of the next round, of at most `left` tasks; None when the sampling is over."""
+        if not self._making.tasks:
+            return "start"
         if self._is_good or left <= 0:
-            return "doubt", []
-        more = self._tasks_for(self._failures) - len(self._drawn)
-        if self._drawn and self._failures <= FORGIVEN and more <= min(left, 2 * len(self._drawn)):
-            return "more", self._draw(more)
-        if self._drawn:
-            self._learn_from_certificate()
-        if self._quiet and self._tasks_for(0) <= left:
-            self.missed = making.fill()
-            return "certificate", self._draw(self._tasks_for(0))
-        number = min(self._sampling.further(self._axes), left)
-        low, high = (np.array([values[end] for values in making.growth.grid]) for end in (0, -1))
+            return None
+        if self._drawn and self._few_failures and 0 < self._more <= min(left, 2 * len(self._drawn)):
+            return "more"
+        return "certificate" if self._quiet and not self._drawn and self._tasks_for(0) <= left else "doubt"
+
+    def begin(self, kind: Kind) -> None:
+        """What a round of a kind changes in the map before its tasks are chosen."""
+        if kind == "doubt" and self._drawn:  # the map was not good enough: the certificate's tasks help to make it
+            self._making.take(self._drawn, self._verdicts)
+            self._drawn, self._verdicts = [], []
+        if kind == "certificate":
+            self._certificates += 1
+            self.missed = self._making.fill()
+
+    def tasks_of(self, kind: Kind, left: int) -> list[Task]:
+        """The tasks of a round of a kind that was begun, `left` at most."""
+        making, grid = self._making, self._making.growth.grid
+        if kind == "start":
+            return list(tasks_of(making.scenario))[:left]
+        if kind == "certificate":
+            return self._draw(self._tasks_for(0))
+        if kind == "more":
+            return self._draw(self._more)
+        number = min(self._sampling.further(len(grid)), left)
+        low, high = (np.array([values[end] for values in grid]) for end in (0, -1))
         seed = self._seed * MORE_SEEDS + self._rounds
         places = next_places(making.costs_atlas(), making.places, np.array(making.regrets), low, high, number, seed)
-        return "doubt", [task_at(making.scenario.tasks.space, place) for place in places]
+        return [task_at(making.scenario.tasks.space, place) for place in places]
 
     def done(self, one: Round) -> Round:
         """Take in a round that was searched; returns it with what it came to."""
@@ -137,8 +152,6 @@ class _Steps:
             self._quiet = one.kind == "doubt" and wrong <= QUIET * len(one.tasks)
             self._tell_curve(one, wrong)
             return one
-        if one.kind == "certificate":
-            self._drawn, self._verdicts = [], []
         self._drawn += one.tasks
         self._verdicts += verdicts
         self._asked += 1
@@ -157,18 +170,27 @@ class _Steps:
         )
 
     @property
+    def _few_failures(self) -> bool:
+        """Whether more tasks may show that the map is good enough: a pick without a motion is one too many."""
+        found = self.certificate
+        return found is not None and found.infeasible == 0 and self._failures <= FORGIVEN
+
+    @property
     def _failures(self) -> int:
         return sum(verdict.dearer for verdict in self._verdicts)
 
     def _tasks_for(self, failures: int) -> int:
         return tasks_needed(failures, self._sampling.dearer, chances_of(self._asked + 1)[0])
 
+    @property
+    def _more(self) -> int:
+        """How many tasks more would make a certificate with the failures that there are good enough."""
+        return self._tasks_for(self._failures) - len(self._drawn)
+
     def _draw(self, number: int) -> list[Task]:
         """Fresh tasks of the domain, after those of this certificate."""
-        making, certificate = self._making, sum(1 for one in self.curve if one["kind"] == "certificate")
-        seed = (self._seed + 1) * MORE_SEEDS**2 + (certificate if self._drawn else certificate + 1)
-        space = making.scenario.tasks.space
-        return draw_tasks(making.domain, space, number, seed, "sampled", skip=len(self._drawn))
+        making, seed = self._making, (self._seed + 1) * MORE_SEEDS**2 + self._certificates
+        return draw_tasks(making.domain, making.scenario.tasks.space, number, seed, "sampled", skip=len(self._drawn))
 
     def _further(self) -> list[bool]:
         """Whether picks have a motion at further fresh tasks: as many as the bound on infeasible picks needs."""
@@ -179,11 +201,6 @@ class _Steps:
         making = self._making
         making.tell(f"{number} further picks planned")
         return making.has_motion(draw_tasks(making.domain, making.scenario.tasks.space, number, seed, "sampled"))
-
-    def _learn_from_certificate(self) -> None:
-        """The map was not good enough: from now on it is made from the certificate's tasks as well."""
-        self._making.take(self._drawn, self._verdicts)
-        self._drawn, self._verdicts, self._quiet = [], [], False
 
     def _tell_curve(self, one: Round, wrong: int) -> None:
         making, found = self._making, self.certificate if one.of_certificate else None
@@ -204,8 +221,6 @@ class _Steps:
 def chosen_tasks(run: Run, scenario: Scenario) -> list[Task]:
     """All tasks that a run's rounds have chosen so far, in their order; before the first those that it begins with."""
     if not run.rounds.exists():
-        from gaitflow.config.tasks import tasks_of
-
         return list(tasks_of(scenario))
     return [task for one in rounds_from(read_json(run.rounds), scenario.tasks.space) for task in one.tasks]
 
