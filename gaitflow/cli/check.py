@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from gaitflow.cli.errors import bad_input, print_json
+from gaitflow.cli.errors import bad_input, print_json, warn_of_training
 from gaitflow.cli.options import PUBLISHED, json_option, scenario_argument
 from gaitflow.pipeline import stages
 from gaitflow.pipeline.sweep import sweep_status
@@ -76,6 +76,7 @@ def validate(workspace: Workspace, scenario: str, as_json: bool) -> None:
         resolved = workspace.scenario(scenario)
         data = stages.summary(resolved)
         work = forecast(resolved)
+        warn_of_training(resolved)
     if as_json:
         return print_json(data | asdict(work))
     for key, value in data.items():

@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 import click
 
 from gaitflow.config.file import ConfigError
+from gaitflow.config.scenario import Scenario
 from gaitflow.pipeline import stages
 
 
@@ -26,6 +27,14 @@ def fail(message: str) -> NoReturn:
     """Say why on standard error and leave with exit code 1."""
     click.echo(f"gaitflow: {message}", err=True)
     sys.exit(1)
+
+
+def warn_of_training(scenario: Scenario) -> None:
+    """Say on standard error what `gaitflow train` will need and does not find here, before hours are spent solving."""
+    from gaitflow.learn.installed import what_lacks
+
+    if lacking := what_lacks(scenario.learning):
+        click.echo(f"gaitflow: {scenario.name} can be solved here, but not trained: {lacking}", err=True)
 
 
 @contextmanager

@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from gaitflow.cli.errors import bad_input, fail, print_json, refused_artifact
+from gaitflow.cli.errors import bad_input, fail, print_json, refused_artifact, warn_of_training
 from gaitflow.cli.options import json_option, profile_option, scenario_argument, workers_option
 from gaitflow.config.file import ConfigError
 from gaitflow.core.task import AXES
@@ -85,6 +85,7 @@ def solve(workspace: Workspace, scenario: str, workers: int, profile_file: Path 
 
     with bad_input():
         resolved = workspace.scenario(scenario)
+        warn_of_training(resolved)
         try:
             profile = None if profile_file is None else load_profile(profile_file)
             state, path = stages.solve(workspace, resolved, workers, profile)

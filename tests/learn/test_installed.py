@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -36,6 +37,19 @@ def test_commands_say_so_in_one_line_before_anything_else(command: list[str], tm
     done = CliRunner().invoke(main, ["--root", str(tmp_path), *command, "half-cheetah-exact-slopes"])
     assert done.exit_code == 2 and len(done.stderr.splitlines()) == 1 and "needs PyTorch" in done.stderr
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.usefixtures("without_torch")
+@pytest.mark.parametrize("command", [["validate", "--json"], ["solve", "--profile", "PROFILE"]])
+def test_what_needs_no_torch_says_in_a_line_that_training_will(command: list[str], tmp_path: Path) -> None:
+    """The profile is no profile, so that `solve` ends before it begins."""
+    (tmp_path / "profile.yaml").write_text("{}")
+    arguments = [each.replace("PROFILE", str(tmp_path / "profile.yaml")) for each in command]
+    for scenario, told in (("half-cheetah-exact-slopes", 1), ("quickstart", 0)):
+        done = CliRunner().invoke(main, ["--root", str(tmp_path), *arguments, scenario])
+        said = [line for line in done.stderr.splitlines() if "can be solved here, but not trained" in line]
+        assert len(said) == told and all("needs PyTorch" in line for line in said)
+        assert command[0] == "solve" or (done.exit_code == 0 and json.loads(done.stdout)["scenario"] == scenario)
 
 
 def test_torch_is_loaded_for_the_perceptron_only() -> None:
