@@ -65,7 +65,8 @@ def run(scenario: Scenario, labels: pd.DataFrame, tasks: int = 6, seed: int = 0,
         task_key(scenario, task) | compare(known[task], solves_of(store, units, task), scenario.robot.leg_names)
         for task in chosen
     ]
-    return document("certificate", scenario.name, rows, summarise(rows), NOTES)
+    summary = {"problem": scenario.problem_digest} | summarise(rows)
+    return document("certificate", scenario.name, rows, summary, NOTES)
 
 
 def solves_of(store: UnitStore, units: Sequence[Unit], task: Task) -> pd.DataFrame:

@@ -196,6 +196,8 @@ def publish(workspace: Workspace, scenario: str, version: str | None, force: boo
             done = stages.publish(workspace, resolved, version, force)
         except PublishError as error:
             fail(str(error))
+    for remark in done.remarks:
+        click.echo(f"gaitflow: {remark}", err=True)
     if as_json:
         return print_json({"version": done.version, "dataset": str(done.dataset), "model": str(done.model)})
     click.echo(f"{done.model}\n{done.dataset}")

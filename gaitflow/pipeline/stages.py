@@ -40,11 +40,12 @@ class StageMissing(RuntimeError):
 
 @dataclass(frozen=True)
 class PublishedRun:
-    """Where a run was published."""
+    """Where a run was published, and what of its judgement the user should know."""
 
     version: str
     dataset: Path
     model: Path
+    remarks: tuple[str, ...] = ()
 
 
 def solve(
@@ -207,7 +208,7 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None, force
     from gaitflow.publishing import Parts, PublishError
     from gaitflow.publishing import publish as publish_map
     from gaitflow.publishing.dataset import publish_dataset
-    from gaitflow.publishing.judge_map import BEYOND, faults_of_certificate, faults_of_map
+    from gaitflow.publishing.judge_map import BEYOND, disregarded, faults_of_certificate, faults_of_map
     from gaitflow.solvers.options import IPOPT_WARM
     from gaitflow.tables.provenance import made_by
 
@@ -215,8 +216,10 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None, force
     _need(run.learning, f"gaitflow train {scenario.name}")
     _need(run.atlas_record, f"gaitflow atlas {scenario.name}")
     learning, record = read_json(run.learning), read_json(run.atlas_record)
-    certificate = workspace.results / f"certificate-{scenario.name}.json"
-    faults = faults_of_map(scenario.limits, learning, read_json(certificate) if certificate.exists() else None)
+    path = workspace.results / f"certificate-{scenario.name}.json"
+    certificate = read_json(path) if path.exists() else None
+    remark = certificate and disregarded(certificate, scenario.problem_digest)
+    faults = faults_of_map(scenario.limits, learning, None if remark else certificate)
     judged = {}
     if scenario.tasks.adaptive is not None:
         del record["feasible"]
@@ -245,7 +248,7 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None, force
         solver_options=IPOPT_WARM,
     )
     model = publish_map(workspace.models, parts, version)
-    done = PublishedRun(model.name, dataset, model)
+    done = PublishedRun(model.name, dataset, model, (f"{path}: {remark}",) if remark else ())
     write_json(run.published, {"version": done.version, "dataset": str(dataset), "model": str(model)})
     return done
 

@@ -17,7 +17,7 @@ def faults_of_map(limits: Limits, metrics: Mapping[str, Any], certificate: Mappi
     """What of a map lies beyond its limits, a sentence each; nothing where nothing was measured.
 
     `metrics` is `Training.as_data()`: its picks on held-out tasks count. `certificate` is the document of the bench
-    `certificate` for this scenario, None where there is none.
+    `certificate` for this problem, None where there is none.
     """
     picks = (metrics.get("published") or {}).get("map_held_out") or {}
     gap = None if certificate is None else certificate["summary"]["gap_max_rel"]
@@ -46,3 +46,18 @@ def faults_of_certificate(goal: Sampling, certificate: Mapping[str, Any] | None)
         for name, what, value in measured
         if value > getattr(goal, name)
     ]
+
+
+def disregarded(certificate: Mapping[str, Any], problem: str) -> str | None:
+    """Why a certificate does not count for labels of the problem with this digest, in one line; None where it does.
+
+    It is found by the scenario's name, and a scenario may have changed since.
+    """
+    found = certificate["summary"].get("problem")
+    if found == problem:
+        return None
+    told = "an unnamed problem" if found is None else f"problem {found[:12]}"
+    return (
+        f"the certificate does not count: it is of {told}, the scenario's is {problem[:12]}; "
+        f"`gaitflow bench certificate {certificate['scenario']}` searches again"
+    )

@@ -175,7 +175,16 @@ def test_a_map_beyond_its_limits_is_published_only_by_force(solved: Path, tmp_pa
     root = tmp_path / "copy"
     shutil.copytree(solved, root)
     (root / "docs/results").mkdir(parents=True)
-    (root / "docs/results/certificate-small.json").write_text(json.dumps({"summary": {"gap_max_rel": 0.3}}))
+    certificate = root / "docs/results/certificate-small.json"
+
+    def certify(problem: str) -> None:
+        certificate.write_text(json.dumps({"scenario": "small", "summary": {"problem": problem, "gap_max_rel": 0.3}}))
+
+    certify("of another robot")
+    disregarded = call(root, "publish", "small")
+    assert disregarded.exit_code == 0 and len(disregarded.stderr.splitlines()) == 1
+    assert "does not count" in disregarded.stderr and "`gaitflow bench certificate small`" in disregarded.stderr
+    certify(Workspace(root).scenario("small").problem_digest)
     refused = call(root, "publish", "small")
     assert refused.exit_code == 1 and "is 0.3, more than limits.certificate_gap = 0.01" in refused.stderr
     assert len(refused.stderr.splitlines()) == 1

@@ -14,7 +14,7 @@ from gaitflow.config.limits import Limits
 from gaitflow.config.sampling import Sampling
 from gaitflow.config.scenario import Scenario, digest_of, load_scenario
 from gaitflow.publishing import Parts, publish
-from gaitflow.publishing.judge_map import BEYOND, faults_of_certificate, faults_of_map
+from gaitflow.publishing.judge_map import BEYOND, disregarded, faults_of_certificate, faults_of_map
 
 
 def metrics(regret: float | None, infeasible: float | None) -> dict[str, Any]:
@@ -39,6 +39,17 @@ def test_each_limit_refuses_on_its_own() -> None:
 def test_what_was_not_measured_is_not_judged() -> None:
     assert faults_of_map(Limits(), metrics(None, None), None) == []
     assert faults_of_map(Limits(), {}, certificate(-1e-6)) == []
+
+
+def test_a_certificate_of_another_problem_is_disregarded(checkout: Path) -> None:
+    scenario = load_scenario(checkout / "configs/scenarios/quickstart.yaml")
+    own = certificate(0.3) | {"scenario": "quickstart", "summary": {"problem": scenario.problem_digest}}
+    assert disregarded(own, scenario.problem_digest) is None
+    heavier = scenario.model_copy(update={"robot": scenario.robot.model_copy(update={"mass": 20.0})})
+    told = disregarded(own, heavier.problem_digest) or ""
+    assert scenario.problem_digest[:12] in told and heavier.problem_digest[:12] in told and "\n" not in told
+    assert "`gaitflow bench certificate quickstart`" in told
+    assert "of an unnamed problem" in (disregarded(own | certificate(0.3), scenario.problem_digest) or "")
 
 
 def test_of_the_published_maps_one_is_beyond_the_usual_limits(checkout: Path) -> None:

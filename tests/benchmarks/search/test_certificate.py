@@ -67,7 +67,7 @@ def test_a_guided_map_is_certified_and_found_again(scenario: Scenario, tmp_path:
     frame = table.select(scalar_columns(table.column_names)).to_pandas()
     labels = label_tasks(gait_costs(frame, guided.robot.leg_names), tasks, 1e-3, 3)
     done = certificate.run(guided, labels, tasks=2, runs=tmp_path)
-    assert done["summary"]["tasks"] == 2
+    assert done["summary"]["tasks"] == 2 and done["summary"]["problem"] == guided.problem_digest
     assert [row["certified"] for row in done["rows"]] == [row["undecided"] == 0 for row in done["rows"]]
     assert abs(done["summary"]["gap_max_rel"]) < 1e-3
     parts = sorted((tmp_path / "bench").rglob("*.parquet"))
