@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import shutil
 import threading
 from collections.abc import Iterator
 from functools import partial
-from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from http.client import HTTPConnection
+from http.server import BaseHTTPRequestHandler, SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from typing import Any
 
 import boto3
 import pytest
 from click.testing import CliRunner, Result
 from moto.server import ThreadedMotoServer
+from s3fs import S3FileSystem
 
 from gaitflow.cli import main
 from gaitflow.core.errors import ArtifactError
@@ -70,6 +75,42 @@ def s3() -> Iterator[str]:
     server.stop()
 
 
+class Flipping(BaseHTTPRequestHandler):
+    """Hands requests on to the server of S3's protocol, and flips a bit of the file `spoiled` when it is read.
+
+    It leaves out the checksums that the server keeps, unless `checksums`: by them the client itself finds the fault.
+    """
+
+    protocol_version = "HTTP/1.1"  # objects are sent once the server said that it will go on
+
+    def __init__(self, spoiled: str, checksums: bool, endpoint: str, *arguments: Any) -> None:
+        self.spoiled, self.checksums, self.host = spoiled, checksums, endpoint.removeprefix("http://")
+        super().__init__(*arguments)
+
+    def hand_on(self) -> None:
+        body = self.rfile.read(int(self.headers.get("Content-Length", 0)))
+        connection = HTTPConnection(self.host)
+        headers = {name: value for name, value in self.headers.items() if name != "Expect"}
+        connection.request(self.command, self.path, body, headers)
+        answer = connection.getresponse()
+        content = bytearray(answer.read())
+        if self.command == "GET" and self.path.endswith(self.spoiled):
+            content[len(content) // 2] ^= 1
+        self.send_response(answer.status)
+        for name, value in answer.getheaders():
+            left_out = not self.checksums and name.lower().startswith("x-amz-checksum")
+            if not left_out and name.lower() not in ("connection", "date", "server"):
+                self.send_header(name, value)
+        self.send_header("Connection", "close")
+        self.end_headers()
+        self.wfile.write(content)
+
+    do_GET = do_HEAD = do_PUT = do_POST = do_DELETE = hand_on
+
+    def log_message(self, format: str, *arguments: object) -> None:
+        pass
+
+
 def call(*arguments: object) -> Result:
     return CliRunner().invoke(main, [*map(str, arguments)])
 
@@ -87,6 +128,13 @@ def test_a_map_is_loaded_from_the_web_and_kept(
     assert kept.name == sha256_file(kept / "manifest.json")
     (web[1] / "models" / NAME / "1.1.0" / "atlas.safetensors").unlink()
     assert fetch(address) == kept, "of what is kept only the manifest is asked for again"
+
+
+def test_what_is_kept_may_be_deleted(web: tuple[str, Path], cache: Path) -> None:
+    address = f"{web[0]}/models/{NAME}"
+    before = fetch(address)
+    shutil.rmtree(cache)
+    assert GaitMap.load(address).plan(0.9, 0.6).feasible and before.is_dir()
 
 
 @pytest.mark.parametrize("file", ["atlas.safetensors", "classifier.onnx", "README.md"])
@@ -157,6 +205,32 @@ def test_a_damaged_version_is_not_published(s3: str, checkout: Path, tmp_path: P
     (copy / "README.md").write_text("edited")
     with pytest.raises(PublishError, match=r"README.md: its content is not what the manifest lists"):
         upload(copy, f"{s3}/damaged")
+
+
+@pytest.mark.parametrize(
+    ("file", "checksums", "says"),
+    [
+        ("atlas.safetensors", False, "atlas.safetensors reads otherwise than it was sent; upload again"),
+        ("manifest.json", False, "manifest.json reads otherwise than it was sent; upload again"),
+        ("manifest.json", True, r"cannot be written \(.*checksum"),
+    ],
+)
+def test_what_does_not_read_as_it_was_sent_is_not_published(
+    s3: str, checkout: Path, monkeypatch: pytest.MonkeyPatch, file: str, checksums: bool, says: str
+) -> None:
+    address = f"{s3}/spoiled-{file}-{checksums}"
+    handler = partial(Flipping, file, checksums, os.environ["AWS_ENDPOINT_URL_S3"])
+    with monkeypatch.context() as patch, ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        patch.setenv("AWS_ENDPOINT_URL_S3", f"http://127.0.0.1:{server.server_port}")
+        S3FileSystem.clear_instance_cache()
+        done = call("upload", checkout / "models" / NAME, address)
+        server.shutdown()
+    S3FileSystem.clear_instance_cache()
+    assert done.exit_code == 1 and re.search(says, done.stderr), done.output
+    with pytest.raises(ArtifactError, match="cannot be read|holds no manifest"):
+        fetch(f"{address}/{NAME}")
+    assert fetch(upload(checkout / "models" / NAME / "1.1.0", address)).is_dir(), "it may be uploaded again"
 
 
 def test_a_changed_object_in_s3_is_not_loaded(s3: str, checkout: Path) -> None:
