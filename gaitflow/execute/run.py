@@ -23,6 +23,7 @@ from gaitflow.execute.solver_process import SOLVE
 from gaitflow.execute.stop_request import stop_request
 from gaitflow.execute.worker import SolverPlugin, solve_unit
 from gaitflow.store.known_parts import validate_changed
+from gaitflow.store.leftovers import remove_leftovers
 from gaitflow.store.lost_workers import give_up_after_lost_workers
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import Unit
@@ -60,7 +61,7 @@ def run_units(
     every change. A `stop_request` ends the run cleanly with RunStopped. Raises RunFailed when no unit can be stored,
     or when no worker will come any more.
     """
-    store.remove_leftovers()
+    remove_leftovers(store.folder)
     notes = [f"damaged pack, its units will be solved again: {reason}" for reason in store.set_aside_damaged_packs()]
     for _ in range(MAX_ROUNDS):
         stored = store.solved()

@@ -26,7 +26,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from gaitflow.config.scenario import digest_of
-from gaitflow.files import TEMPORARY, atomic_write, new_file, publish_once
+from gaitflow.files import atomic_write, new_file, publish_once
 from gaitflow.search.solution import Solution
 from gaitflow.store.attempts import Attempts
 from gaitflow.store.pack import Pack, Packs
@@ -37,8 +37,6 @@ from gaitflow.tables.schema import schema_difference, solution_schema
 from gaitflow.tables.solutions import solutions_to_table
 
 MAX_PART_BYTES = 4 << 30  # of one file, and of its columns when unpacked
-LEFTOVER_AGE_S = 3600.0  # a temporary file this old belongs to a process that was killed
-UNFINISHED_AGE_S = 30 * 86400.0  # a unit that nobody went on with for so long is of a plan that was given up
 _PART = re.compile(r"[0-9a-f]{64}\.parquet")
 
 
@@ -170,24 +168,6 @@ class UnitStore:
             self._set_aside(path, path.stem, reason)
         return list(damaged.values())
 
-    def remove_leftovers(self) -> int:
-        """Delete temporary files of writers that were killed long ago, and solves of units that nobody finished.
-
-        Returns the number of the files.
-        """
-        limit, removed = time.time() - LEFTOVER_AGE_S, 0
-        for folder, _, names in os.walk(self.folder):
-            for name in names:
-                if name.startswith(".") and name.endswith(TEMPORARY):
-                    file = Path(folder, name)
-                    if _modified(file) < limit:
-                        file.unlink(missing_ok=True)
-                        removed += 1
-        for path in (self.folder / "unfinished").glob("*"):
-            if _modified(path) < time.time() - UNFINISHED_AGE_S:
-                shutil.rmtree(path, ignore_errors=True)
-        return removed
-
     def _write(self, unit: Unit, solutions: Sequence[Solution], solver_options: Mapping[str, Any]) -> bool:
         table = solutions_to_table(solutions, unit.scenario.as_data())
         try:
@@ -256,10 +236,3 @@ def _entries(folder: Path | str) -> Iterator[os.DirEntry[str]]:
 
 def _naming(path: Path, error: Exception) -> str:
     return str(error) if str(path) in str(error) else f"{path}: {error}"
-
-
-def _modified(file: Path) -> float:
-    try:
-        return file.stat().st_mtime
-    except OSError:
-        return float("inf")

@@ -3,7 +3,6 @@ from __future__ import annotations
 import errno
 import os
 import shutil
-import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
@@ -132,17 +131,6 @@ def test_a_full_disk_leaves_nothing_behind(
     with pytest.raises(WriteError, match=f"{units[0].digest}.parquet: cannot be written .*free some space"):
         store.write(units[0], make_solutions(units[0]), OPTIONS)
     assert [file for file in store.folder.rglob("*") if file.is_file()] == []
-
-
-def test_only_old_leftovers_are_removed(store: UnitStore, units: tuple[Unit, ...]) -> None:
-    shelf = store.path(units[0].digest).parent
-    shelf.mkdir(parents=True)
-    old, new = shelf / ".a.1-0.tmp", shelf / ".b.1-0.tmp"
-    for file in (old, new):
-        file.write_bytes(b"half")
-    os.utime(old, (time.time() - 7200,) * 2)
-    assert store.remove_leftovers() == 1
-    assert new.exists() and not old.exists()
 
 
 def test_rows_of_other_tasks_are_refused(store: UnitStore, units: tuple[Unit, ...], make_solutions: Make) -> None:
