@@ -228,7 +228,7 @@ def test_what_does_not_read_as_it_was_sent_is_not_published(
         server.shutdown()
     S3FileSystem.clear_instance_cache()
     assert done.exit_code == 1 and re.search(says, done.stderr), done.output
-    with pytest.raises(ArtifactError, match="cannot be read|holds no manifest"):
+    with pytest.raises(ArtifactError, match=r"cannot be read|holds no manifest"):
         fetch(f"{address}/{NAME}")
     assert fetch(upload(checkout / "models" / NAME / "1.1.0", address)).is_dir(), "it may be uploaded again"
 
