@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Mapping
 from dataclasses import replace
@@ -23,12 +22,12 @@ from gaitflow.runtime.hysteresis import MARGIN, checked_margin, is_kept
 from gaitflow.runtime.left_out import Chooser, ChosenValue, Per, left_out
 from gaitflow.runtime.manifest import Gait, Manifest
 from gaitflow.runtime.plan import Asked, Plan, refine_ranked
-from gaitflow.runtime.problem import Problem
 from gaitflow.runtime.questions import Questions
-from gaitflow.runtime.refine import Candidate, Refiner
+from gaitflow.runtime.refine import Candidate
 from gaitflow.runtime.remote import local_folder
-from gaitflow.runtime.switching import TransitionPlanner, TransitionProblem, check_switchable
+from gaitflow.runtime.switching import check_switchable
 from gaitflow.runtime.tensors import WarmStart, warm_start
+from gaitflow.runtime.thread_solvers import ThreadSolvers
 from gaitflow.runtime.versions import resolve
 
 FARTHEST = 1e6  # in an axis' unit: of a task beyond the domain, what the classifier's float32 can take
@@ -46,14 +45,10 @@ class GaitMap:
 
     def __init__(self, artifact: Artifact, trust_code: bool = False) -> None:
         self._artifact = artifact
-        self._trust_code = trust_code
         manifest = artifact.manifest
         self._names = tuple(gait.name for gait in manifest.gaits)
         self._questions = Questions(manifest.space)
-        self._building = threading.Lock()
-        self._of_thread = threading.local()
-        self._problem: Problem | None = None
-        self._transitions: TransitionProblem | None = None
+        self._solvers = ThreadSolvers(artifact, trust_code)
 
     @classmethod
     def load(cls, path: str | PathLike[str], trust_code: bool = False) -> GaitMap:
@@ -178,7 +173,7 @@ class GaitMap:
         inside = domain.contains(values)
         if not inside and not (beyond and self._questions.physical(values)):
             raise OutOfDomain(domain.explain(values))
-        refiner = self._refiner()
+        refiner = self._solvers.refiner()
         place = self._place(values)
         probabilities = self._probabilities(place)
         candidates = self._candidates(place, probabilities)
@@ -205,7 +200,7 @@ class GaitMap:
         asked = checked_time(after, "after")
         left = last_of(motion)
         check_switchable(self.manifest.scenario, left.motion, other)
-        plan = self._planner().plan(left.motion, other)
+        plan = self._solvers.transition_planner().plan(left.motion, other)
         if isinstance(motion, Journey):
             asked = max(asked, motion.settled)
         return Journey.of(motion, plan, left.next_time(plan.first.since, asked), other)
@@ -289,28 +284,6 @@ class GaitMap:
         gaits = {each.gait for each in known}
         likeliest = sorted(range(len(probabilities)), key=probabilities.__getitem__, reverse=True)
         return known + [Candidate(gait, None) for gait in likeliest if gait not in gaits]
-
-    def _refiner(self) -> Refiner:
-        refiner: Refiner | None = getattr(self._of_thread, "refiner", None)
-        if refiner is None:
-            artifact = self._artifact
-            with self._building:
-                if self._problem is None:
-                    rows = artifact.tensors.rows
-                    self._problem = Problem(artifact.folder, artifact.manifest, rows, self._trust_code)
-                refiner = Refiner(self._problem, artifact.manifest, artifact.tensors, artifact.atlas)
-            self._of_thread.refiner = refiner
-        return refiner
-
-    def _planner(self) -> TransitionPlanner:
-        planner: TransitionPlanner | None = getattr(self._of_thread, "planner", None)
-        if planner is None:
-            with self._building:
-                if self._transitions is None:
-                    self._transitions = TransitionProblem(self.manifest.scenario)
-                planner = TransitionPlanner(self._transitions)
-            self._of_thread.planner = planner
-        return planner
 
     def _warm_start(self, gait: str, task: Mapping[str, float]) -> WarmStart:
         index, atlas, place = self._names.index(gait), self._artifact.atlas, self._place(task)

@@ -215,7 +215,7 @@ def test_a_solver_that_stops_early_is_not_believed(artifact: Path, tiny: TinyMap
 @pytest.mark.usefixtures("slow")
 def test_a_solver_that_throws_costs_one_start(artifact: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     gait_map = GaitMap.load(artifact)
-    problem = gait_map._refiner()._problem
+    problem = gait_map._solvers.refiner()._problem
     real, calls = problem._ipopt, []
 
     class Throwing:

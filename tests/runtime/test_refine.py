@@ -20,7 +20,7 @@ TASK = task_of(1.27, 0.85)
 
 @pytest.fixture
 def refiner(pristine: Path) -> Refiner:
-    return GaitMap.load(pristine)._refiner()
+    return GaitMap.load(pristine)._solvers.refiner()
 
 
 def checked(tiny: TinyMap, attempt: Attempt, task: Task) -> float:
