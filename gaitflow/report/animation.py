@@ -23,7 +23,7 @@ from gaitflow.report.tables import number
 from gaitflow.search.solution import Solution
 
 DIGITS = 5  # of stored lengths, angles and forces over weight
-PLAYER = ("animation_view.js", "motion_player.js")
+PLAYER = ("canvas.js", "animation_view.js", "motion_player.js")
 
 
 def animation_page(solution: Solution, scenario: Scenario, gait: str, colour: str) -> str:

@@ -24,17 +24,7 @@ function rotated([x, y, z], angle) { // about the vertical
   return [c * x - s * y, s * x + c * y, z];
 }
 
-function prepared(canvas, height) {
-  const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth;
-  const wanted = [Math.round(width * ratio), Math.round(height * ratio)];
-  if (canvas.width !== wanted[0] || canvas.height !== wanted[1]) [canvas.width, canvas.height] = wanted;
-  const context = canvas.getContext("2d");
-  context.setTransform(ratio, 0, 0, ratio, 0, 0);
-  context.clearRect(0, 0, width, height);
-  return [context, width, height];
-}
-
-// `motion` is what gaitflow.report.animation writes. `camera` {azimuth, elevation} [rad] and `shown` {forces, boxes} 
+// `motion` is what gaitflow.report.animation writes. `camera` {azimuth, elevation} [rad] and `shown` {forces, boxes}
 // are read whenever a pose is drawn, `cycles` whole cycles after the first.
 function robotView(canvas, motion, camera, shown) {
   const colours = motion.colours, knots = motion.times.length;
@@ -127,7 +117,7 @@ function robotView(canvas, motion, camera, shown) {
     if (shown.forces) {
       pose.feet.forEach((foot, leg) => {
         const tip = add(foot, scaled(pose.forces[leg], motion.height));
-        if (pose.standing[leg]) drawArrow(context, page(foot), page(tip));
+        if (pose.standing[leg]) drawArrow(context, page(foot), page(tip), colours.force);
       });
     }
   }
@@ -200,23 +190,6 @@ function robotView(canvas, motion, camera, shown) {
         if (!((i >> axis) & 1)) line(corner(i), corner(i | (1 << axis)), "#7a8b99", 1, [3, 3]);
       }
     }
-  }
-
-  function drawArrow(context, [x0, y0], [x1, y1]) {
-    const length = Math.hypot(x1 - x0, y1 - y0);
-    if (length < 2) return;
-    const head = Math.min(9, 0.6 * length), ux = (x1 - x0) / length, uy = (y1 - y0) / length;
-    context.strokeStyle = context.fillStyle = colours.force;
-    context.lineWidth = 2.5;
-    context.beginPath();
-    context.moveTo(x0, y0);
-    context.lineTo(x1 - head * ux, y1 - head * uy);
-    context.stroke();
-    context.beginPath();
-    context.moveTo(x1, y1);
-    context.lineTo(x1 - head * ux - 0.5 * head * uy, y1 - head * uy + 0.5 * head * ux);
-    context.lineTo(x1 - head * ux + 0.5 * head * uy, y1 - head * uy - 0.5 * head * ux);
-    context.fill();
   }
 
   return { stepAt, poseAt, draw };

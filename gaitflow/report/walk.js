@@ -8,16 +8,6 @@ const end = Math.max(walk.times[walk.times.length - 1], 1e-9);
 const MARGIN = 44, ROW = 22, TURN = 0.008, KEY_TURN = 0.1;
 let azimuth = 0.45, elevation = 0.25, time = 0, playing = true, last = null;
 
-function prepared(canvas, height) {
-  const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth;
-  canvas.width = Math.round(width * ratio);
-  canvas.height = Math.round(height * ratio);
-  const context = canvas.getContext("2d");
-  context.setTransform(ratio, 0, 0, ratio, 0, 0);
-  context.clearRect(0, 0, width, height);
-  return [context, width, height];
-}
-
 function momentAt(t) {
   const next = walk.times.findIndex((each) => each > t);
   return next < 0 ? walk.times.length - 1 : Math.max(next - 1, 0);
@@ -66,29 +56,13 @@ function drawView() {
     context.arc(x, y, 6, 0, 2 * Math.PI);
     context.fill();
     context.stroke();
-    if (carries) drawArrow(context, page(foot), page(foot.map((value, axis) => value + force[axis] * top)));
+    const tip = foot.map((value, axis) => value + force[axis] * top);
+    if (carries) drawArrow(context, page(foot), page(tip), colours.force);
   });
 }
 
 function drawBody(line, corners) {
   for (const [a, b] of walk.edges) line(corners[a], corners[b], colours.body, 2);
-}
-
-function drawArrow(context, [x0, y0], [x1, y1]) {
-  const length = Math.hypot(x1 - x0, y1 - y0), head = Math.min(9, 0.6 * length);
-  if (length < 2) return;
-  const ux = (x1 - x0) / length, uy = (y1 - y0) / length;
-  context.strokeStyle = context.fillStyle = colours.force;
-  context.lineWidth = 2.5;
-  context.beginPath();
-  context.moveTo(x0, y0);
-  context.lineTo(x1 - head * ux, y1 - head * uy);
-  context.stroke();
-  context.beginPath();
-  context.moveTo(x1, y1);
-  context.lineTo(x1 - head * ux - 0.5 * head * uy, y1 - head * uy + 0.5 * head * ux);
-  context.lineTo(x1 - head * ux + 0.5 * head * uy, y1 - head * uy - 0.5 * head * ux);
-  context.fill();
 }
 
 function drawBars() {

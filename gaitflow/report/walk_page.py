@@ -18,7 +18,8 @@ DIGITS = 4  # of stored lengths and forces over weight
 
 def walk_page(scene: WalkScene, title: str, facts: Sequence[tuple[str, str]], colour: str) -> str:
     """The walk as HTML; facts are (name, value) pairs shown above it, colour the gait's hex colour."""
-    script, style = packaged("walk.js"), packaged("animation.css") + packaged("player.css")
+    script = packaged("canvas.js") + packaged("walk.js")
+    style = packaged("animation.css") + packaged("player.css")
     return template("walk.html.jinja").render(
         title=title, facts=facts, data=_data(scene, colour), script=script, style=style, policy=policy(script, style)
     )
