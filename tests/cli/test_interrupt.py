@@ -51,6 +51,7 @@ def in_terminal(workspace: Path, *arguments: str, press: Callable[[str, float], 
     child, terminal = pty.fork()
     if child == 0:
         os.chdir(workspace)
+        os.environ.pop("COVERAGE_PROCESS_CONFIG", None)  # Ctrl-C would meet coverage while it starts, not gaitflow
         os.execv(sys.executable, command(*arguments))
     screen, start, pressed = "", time.monotonic(), False
     while time.monotonic() - start < 60:
