@@ -19,14 +19,14 @@ OPERATORS = _ELEMENTWISE | {
 # Of those that make arrays grow; support vectors of two gaits join arrays twice.
 MOST = {"Concat": 2, "Gather": 1, "Sub": 1, "TopK": 1, "Unsqueeze": 1}
 MAX_NODES = 10_000
-MAX_WIDTH = 4096  # of a constant in every dimension but a matrix' first one
+MAX_WIDTH = 4096  # of a constant in every dimension but a matrix' first one, and most values that are joined
 
 # Numbers of fields in onnx.proto.
 _MODEL_GRAPH, _MODEL_TRAINING, _MODEL_FUNCTIONS = 7, 20, 25
 _GRAPH_NODE, _GRAPH_CONSTANT, _GRAPH_SPARSE = 1, 5, 15
 _NODE_INPUT, _NODE_OPERATOR, _NODE_ATTRIBUTE = 1, 4, 5
 _ATTRIBUTE_TENSOR, _ATTRIBUTE_GRAPH, _ATTRIBUTE_TENSORS, _ATTRIBUTE_GRAPHS = 5, 6, 10, 11
-_CONSTANT_DIMS, _CONSTANT_NAME = 1, 8
+_CONSTANT_DIMS, _CONSTANT_NAME, _CONSTANT_FILE, _CONSTANT_PLACE = 1, 8, 13, 14
 
 
 def graph_fault(content: bytes) -> str | None:
@@ -46,7 +46,9 @@ def _model_fault(content: bytes) -> str | None:
         return "it holds sparse constants"
     shapes: dict[str, tuple[int, ...]] = {}
     for part in _parts(inside, _GRAPH_CONSTANT):
-        name, shape = _constant(part)
+        name, shape, elsewhere = _constant(part)
+        if elsewhere:  # onnxruntime would look for it where it runs
+            return f"the constant {name[:80]!r} is kept in another file"
         while shape[:1] == (1,):
             shape = shape[1:]
         if len(shape) > 2 or any(size > MAX_WIDTH for size in shape[len(shape) // 2 :]):
@@ -67,7 +69,10 @@ def _nodes_fault(nodes: list[list[tuple[int, int | bytes]]], shapes: Mapping[str
         attributes = [number for part in _parts(node, _NODE_ATTRIBUTE) for number, _ in _fields(part)]
         if not {_ATTRIBUTE_TENSOR, _ATTRIBUTE_GRAPH, _ATTRIBUTE_TENSORS, _ATTRIBUTE_GRAPHS}.isdisjoint(attributes):
             return f"{operators[0]} holds a graph or a tensor of its own"
-        constants = [shapes.get(_text(part), ()) for part in _parts(node, _NODE_INPUT)]
+        inputs = [_text(part) for part in _parts(node, _NODE_INPUT)]
+        if operators[0] == "Concat" and not len(set(inputs)) == len(inputs) <= MAX_WIDTH:
+            return f"Concat joins {len(inputs)} values, one of them twice, or more than {MAX_WIDTH}"
+        constants = [shapes.get(name, ()) for name in inputs]
         if operators[0] in _ELEMENTWISE - {"Sub"} and any(prod(shape[:-1]) > 1 for shape in constants):
             return f"{operators[0]} spreads a matrix"
     for operator, most in MOST.items():
@@ -76,15 +81,17 @@ def _nodes_fault(nodes: list[list[tuple[int, int | bytes]]], shapes: Mapping[str
     return None
 
 
-def _constant(part: bytes) -> tuple[str, tuple[int, ...]]:
-    """Name and shape of a TensorProto."""
-    name, shape = "", list[int]()
+def _constant(part: bytes) -> tuple[str, tuple[int, ...], bool]:
+    """Name and shape of a TensorProto, and whether its numbers are said to be in another file."""
+    name, shape, elsewhere = "", list[int](), False
     for number, value in _fields(part):
         if number == _CONSTANT_NAME and isinstance(value, bytes):
             name = _text(value)
         elif number == _CONSTANT_DIMS:
             shape += [value] if isinstance(value, int) else _packed(value)
-    return name, tuple(shape)
+        elif number == _CONSTANT_FILE or (number == _CONSTANT_PLACE and value != 0):
+            elsewhere = True
+    return name, tuple(shape), elsewhere
 
 
 def _parts(fields: list[tuple[int, int | bytes]], number: int) -> Iterator[bytes]:
