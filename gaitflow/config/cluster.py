@@ -51,7 +51,6 @@ def _memory(text: str) -> str:
 
 
 def _quoted(value: Any) -> Any:
-    # YAML reads 48:00:00 without quotes as a number to the base of 60.
     if isinstance(value, int | float) and not isinstance(value, bool):
         raise ValueError(f'{short(value)} is a number to YAML: write the time in quotes, such as "48:00:00"')
     return value

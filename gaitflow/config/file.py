@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Self, get_args
 import yaml
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-MAX_CONFIG_BYTES = 1_000_000
+MAX_CONFIG_BYTES = 100_000  # which takes seconds to parse; real ones have some thousand
 MAX_ERRORS = 20  # lines of one ConfigError
 FORMS = ("(mapping)", "(value)")  # tags of the two forms that a field may have, which no error shows
 
@@ -117,6 +117,18 @@ def _model_in(annotation: Any) -> type[BaseModel] | None:
 _YAML = "tag:yaml.org,2002:"
 
 
+def _number(construct: Any) -> Any:
+    """A constructor of numbers, but of none in base 60, such as 1:30: long ones take minutes, or overflow a float."""
+
+    def plain(loader: yaml.SafeLoader, node: yaml.ScalarNode) -> Any:
+        if ":" in node.value:
+            problem = f"{short(node.value)} is a number in base 60: write the time in quotes, or a number in base 10"
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark)
+        return construct(loader, node)
+
+    return plain
+
+
 class _PlainLoader(yaml.SafeLoader):
     """YAML's plain data, no more: text, numbers, booleans, null, lists and mappings without repeated fields."""
 
@@ -124,7 +136,11 @@ class _PlainLoader(yaml.SafeLoader):
         tag: construct
         for tag, construct in yaml.SafeLoader.yaml_constructors.items()
         if tag is None or tag.removeprefix(_YAML) in ("null", "bool", "int", "float", "str", "seq", "map")
-    } | {_YAML + "timestamp": yaml.SafeLoader.construct_yaml_str}
+    } | {
+        _YAML + "timestamp": yaml.SafeLoader.construct_yaml_str,
+        _YAML + "int": _number(yaml.SafeLoader.construct_yaml_int),
+        _YAML + "float": _number(yaml.SafeLoader.construct_yaml_float),
+    }
 
     def compose_node(self, parent: Any, index: Any) -> Any:
         if self.check_event(yaml.AliasEvent):  # some hundred bytes of nested aliases unfold to gigabytes

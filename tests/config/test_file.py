@@ -55,8 +55,13 @@ def test_plain_data_is_read(file: Path) -> None:
         ("a: 1\n---\nb: 2\n", "but found another document"),
         (b"a: \xff\xfe\n", "not valid YAML ('utf-8' codec can't decode"),
         (b"a: \x00\n", "not valid YAML (unacceptable character"),
-        ("[" * 100_000, "not valid YAML (nested too deep)"),
+        ("[" * 50_000, "not valid YAML (nested too deep)"),
         ("a: " + "9" * 5000, "not valid YAML (Exceeds the limit"),
+        (
+            "a: 48:00:00",
+            "line 1, column 4: not valid YAML ('48:00:00' is a number in base 60: write the time in",
+        ),
+        ("a: " + "1:" * 300 + "1.5", "is a number in base 60"),
     ],
 )
 def test_what_is_not_plain_yaml_is_refused(file: Path, content: str | bytes, said: str) -> None:
@@ -67,7 +72,7 @@ def test_a_file_is_read_up_to_the_limit_only(file: Path) -> None:
     file.write_text("a: " + "x" * (MAX_CONFIG_BYTES - 3), encoding="utf-8")
     assert len(read_yaml(file)["a"]) == MAX_CONFIG_BYTES - 3
     said = refusal(file, "a: " + "x" * (MAX_CONFIG_BYTES - 2))
-    assert said == ": more than 1000000 bytes, the most a configuration may have"
+    assert said == ": more than 100000 bytes, the most a configuration may have"
 
 
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:
