@@ -21,9 +21,17 @@ from gaitflow.core.task import AXIS_NAMES
 from gaitflow.core.task_space import MAIN_AXES, TaskSpace
 from gaitflow.runtime.files import ATLAS, CARD, CLASSIFIER, PROBLEM, WARM_STARTS, read_checked
 from gaitflow.runtime.manifest import SELF_DIGEST, Manifest
-from gaitflow.runtime.manifest_fields import MAX_AXIS, created, feasible, file_entries, gaits, scenario, version
+from gaitflow.runtime.manifest_fields import (
+    MAX_AXIS,
+    created,
+    feasible,
+    file_entries,
+    gaits,
+    scenario,
+    solver_options,
+    version,
+)
 from gaitflow.runtime.strict import Fields
-from gaitflow.solvers.options import checked_options
 
 _FIELDS = (
     "format", "version", "scenario", "scenario_digest", "created", "dataset", "code", "domain", "gaits", "layout",
@@ -55,7 +63,7 @@ def manifest(data: Mapping[str, Any], where: str) -> Manifest:
         cost_scale=fields.positive("cost_scale"),
         classifier_kind=fields.inner("classifier", ("kind",)).text("kind"),
         metrics=fields.mapping("metrics"),
-        solver_options=checked_options(fields.inner("solver", ("options",)).mapping("options")),
+        solver_options=solver_options(fields),
         files=file_entries(fields.inner("files", content), content),
     )
 

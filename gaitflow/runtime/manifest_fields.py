@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
 from functools import cache
 from pathlib import Path
@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from gaitflow.core.errors import ArtifactError
 from gaitflow.core.gaits import Pattern
 from gaitflow.core.layout import Layout
 from gaitflow.core.legacy import modern_name, modern_scenario
@@ -21,12 +22,15 @@ from gaitflow.motion.frames import are_frames
 from gaitflow.runtime.files import LIMITS, FileEntry
 from gaitflow.runtime.json_schema import fault_of
 from gaitflow.runtime.manifest import TIME_FORMAT, Gait
-from gaitflow.runtime.strict import Fields
+from gaitflow.runtime.strict import LARGEST, Fields, is_number
 from gaitflow.runtime.versions import Version
+from gaitflow.solvers.options import Options, checked_options
 
 MAX_GAITS = 4096
 MAX_AXIS = 10_000
 MAX_TASKS = 10_000_000
+MAX_ITERATIONS = 1000  # of IPOPT: maps have 110, and with many more a plan that fails would take minutes
+SIZED = ("robot", "objective", "swing_clearance")  # parts of a scenario whose numbers planning multiplies
 
 
 def version(fields: Fields) -> Version:
@@ -52,6 +56,8 @@ def scenario(fields: Fields) -> Mapping[str, Any]:
     except ValueError as error:
         fields.refuse("scenario", str(error))
     if fault := fault_of(data, _schema()):
+        fields.refuse_inner("scenario", fault)
+    if fault := next((fault for part in SIZED for fault in _too_large(data.get(part), part)), None):
         fields.refuse_inner("scenario", fault)
     robot, axes = data["robot"], data["tasks"]["axes"]
     ranged = [values for values in axes.values() if isinstance(values, dict)]
@@ -93,6 +99,17 @@ def gaits(fields: Fields, layout: Layout) -> tuple[Gait, ...]:
     return found
 
 
+def solver_options(fields: Fields) -> Options:
+    """The options in `solver` that IPOPT may be given."""
+    try:
+        options = checked_options(fields.inner("solver", ("options",)).mapping("options"))
+    except ArtifactError as error:
+        fields.refuse_inner("solver", str(error).removeprefix("solver."))
+    if (most := options.get("max_iter", 0)) > MAX_ITERATIONS:  # type: ignore[operator]  # checked to be an integer
+        fields.refuse_inner("solver", f"options.max_iter = {most}: must be an integer from 0 to {MAX_ITERATIONS}")
+    return options
+
+
 def file_entries(fields: Fields, names: Sequence[str]) -> Mapping[str, FileEntry]:
     """Digest and size of each of the files `names`."""
     entries = {}
@@ -114,6 +131,19 @@ def _gait(fields: Fields, layout: Layout) -> Gait:
                 name, f"a pattern of {layout.legs} legs and {layout.phases} phases (a key may have fewer phases)"
             )
     return Gait(modern_name(fields.text("name")), fields.text("key"), fields.text("pattern"))
+
+
+def _too_large(data: Any, name: str) -> Iterator[str]:
+    """What a number in plain data is, and where, if it is beyond LARGEST."""
+    parts: list[tuple[str, Any]] = []
+    if isinstance(data, Mapping):
+        parts = [(f"{name}.{key}", each) for key, each in data.items()]
+    elif isinstance(data, list):
+        parts = [(f"{name}[{i}]", each) for i, each in enumerate(data)]
+    elif is_number(data) and abs(data) > LARGEST:
+        yield f"{name} = {data:g}: must be at most {LARGEST:g}"
+    for inner, each in parts:
+        yield from _too_large(each, inner)
 
 
 def _ends(values: float | Mapping[str, float]) -> tuple[float, ...]:

@@ -21,10 +21,10 @@ from gaitflow.runtime.manifest_fields import (
     file_entries,
     gaits,
     scenario,
+    solver_options,
     version,
 )
 from gaitflow.runtime.strict import Fields
-from gaitflow.solvers.options import checked_options
 
 _FIELDS = (
     "format", "version", "scenario", "scenario_digest", "created", "dataset", "code", "domain", "gaits", "cost_scale",
@@ -85,7 +85,7 @@ def _manifest(fields: Fields) -> Manifest:
         cost_scale=fields.positive("cost_scale"),
         classifier_kind=fields.inner("classifier", ("kind",)).text("kind"),
         metrics=fields.mapping("metrics"),
-        solver_options=checked_options(fields.inner("solver", ("options",)).mapping("options")),
+        solver_options=solver_options(fields),
         files=file_entries(fields.inner("files", CONTENT), CONTENT),
     )
 

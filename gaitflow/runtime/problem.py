@@ -10,6 +10,7 @@ import threading
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from reprlib import repr as short
 from typing import TYPE_CHECKING, Any
 
 import gaitflow
@@ -43,14 +44,14 @@ class Problem:
     """A map's problem with its derivatives, shared by all threads. Raises what `load_problem` does."""
 
     def __init__(self, folder: Path, manifest: Manifest, rows: int, trust_code: bool = False) -> None:
-        self._options = manifest.solver_options
+        self._options, self._where = manifest.solver_options, folder / MANIFEST
         self.separable = load_problem(folder, manifest, rows, trust_code)
         self.derivatives = derivatives(self.separable)
 
     def ipopt(self, space: GaitSpace, task: Array, primal: Array, bounds: Array, rows: Array) -> IpoptAnswer:
         """Solve a gait at a task [axes] from a decision vector [nw] and multipliers of bounds [nw] and rows [ng].
 
-        One call at a time in the whole process.
+        One call at a time in the whole process. Raises ArtifactError for options of the map that IPOPT does not take.
         """
         from gaitflow.solvers.ipopt import call_solver
 
@@ -70,7 +71,13 @@ class Problem:
     def _ipopt(self) -> Any:
         from gaitflow.solvers.ipopt import make_ipopt
 
-        return make_ipopt(self.separable.function, {**IPOPT_WARM, "max_iter": 300, **self._options})
+        try:
+            return make_ipopt(self.separable.function, {**IPOPT_WARM, "max_iter": 300, **self._options})
+        except RuntimeError as error:  # its own ranges are narrower than what a manifest may say
+            reason, given = str(error).strip().splitlines()[-1][-120:], short(dict(self._options))
+            raise ArtifactError(
+                f"{self._where}: solver.options = {given}: IPOPT does not take these ({reason}); publish the map again"
+            ) from None
 
 
 def load_problem(folder: Path, manifest: Manifest, rows: int, trust_code: bool = False) -> SeparableProblem:

@@ -1,15 +1,16 @@
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
 import pytest
-from tiny_map import TinyMap, task_of
+from tiny_map import TinyMap, task_of, write_map
 
 from gaitflow.core import check
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
-from gaitflow.runtime import GaitMap
+from gaitflow.runtime import ArtifactError, GaitMap
 from gaitflow.runtime.atlas import Atlas, Prediction
 from gaitflow.runtime.refine import LIMIT, Attempt, Candidate, Refiner
 from gaitflow.solvers.options import CONVERGED
@@ -44,6 +45,15 @@ def test_all_ways_lead_to_one_optimum(refiner: Refiner, tiny: TinyMap, gait: int
         assert attempt.pattern == tiny.starts[gait].pattern
         assert attempt.predict_ms > 0 and attempt.refine_ms > 0
     assert attempts[0].iterations < attempts[2].iterations, "a prediction is nearer than the mean"
+
+
+def test_options_that_ipopt_does_not_take_are_the_maps_fault(tiny: TinyMap, tmp_path: Path) -> None:
+    folder = write_map(dataclasses.replace(tiny, solver_options={"tol": 0.0}), tmp_path)
+    refiner = GaitMap.load(folder)._refiner()
+    with pytest.raises(
+        ArtifactError, match=r"manifest\.json: solver\.options = {'tol': 0\.0}: IPOPT does not take these"
+    ):
+        refiner.fallback(Candidate(WALKING, None), TASK)
 
 
 def test_nodes_nearby_help_where_the_prediction_misleads(
