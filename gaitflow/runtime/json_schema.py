@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from reprlib import repr as short
 from typing import Any
 
-from gaitflow.runtime.strict import is_number
+from gaitflow.runtime.strict import is_number, shown
 
 Schema = Mapping[str, Any]
 
@@ -67,7 +67,7 @@ def _fault(data: Any, schema: Schema, name: str, known: Schema) -> str | None:
         elif word not in _SILENT and word not in _PARTS:
             raise ValueError(f"{word}: a word of JSON Schema that this module does not read")
     if schema.get("additionalProperties") is False and (odd := [each for each in data if each not in _named(schema)]):
-        return f"{_inner(name, odd[0][:80])}: is an unknown field"
+        return f"{_inner(name, shown(odd[0]))}: is an unknown field"
     inside = [part for word, parts in _PARTS.items() if word in schema for part in parts(data, schema, name)]
     return next((fault for part in inside if (fault := _fault(*part, known)) is not None), None)
 
@@ -79,11 +79,11 @@ def _of_fields(data: Any, schema: Schema, name: str) -> list[tuple[Any, Schema, 
 def _of_others(data: Any, schema: Schema, name: str) -> list[tuple[Any, Schema, str]]:
     form = schema["additionalProperties"]
     others = [key for key in data if key not in _named(schema)]
-    return [(data[key], form, _inner(name, key[:80])) for key in others if isinstance(form, Mapping)]
+    return [(data[key], form, _inner(name, shown(key))) for key in others if isinstance(form, Mapping)]
 
 
 def _of_names(data: Any, schema: Schema, name: str) -> list[tuple[Any, Schema, str]]:
-    return [(key, schema["propertyNames"], _inner(name, key[:80])) for key in data]
+    return [(key, schema["propertyNames"], _inner(name, shown(key))) for key in data]
 
 
 def _of_first(data: Any, schema: Schema, name: str) -> list[tuple[Any, Schema, str]]:

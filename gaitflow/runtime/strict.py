@@ -40,10 +40,10 @@ class Fields:
         )
 
     def text(self, name: str, longest: int = 200) -> str:
-        """A string of 1 to `longest` characters."""
+        """A string of 1 to `longest` characters, all printable: errors and tables show it."""
         value = self._data[name]
-        if not isinstance(value, str) or not 0 < len(value) <= longest:
-            self.refuse(name, f"text of 1 to {longest} characters")
+        if not isinstance(value, str) or not 0 < len(value) <= longest or not value.isprintable():
+            self.refuse(name, f"text of 1 to {longest} printable characters")
         return value
 
     def digest(self, name: str) -> str:
@@ -96,3 +96,8 @@ class Fields:
 def is_number(value: object) -> bool:
     """Whether a value is a number, no boolean, that a float can hold."""
     return type(value) in (int, float) and abs(value) < 1e300 and math.isfinite(value)  # type: ignore[arg-type]
+
+
+def shown(name: str) -> str:
+    """A name that anybody may have chosen, as one short line of an error can hold it."""
+    return name[:80] if name.isprintable() else repr(name[:80])

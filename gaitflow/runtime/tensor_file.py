@@ -13,7 +13,9 @@ from safetensors.numpy import load
 
 from gaitflow.core.errors import ArtifactError
 from gaitflow.core.task import AXES
-from gaitflow.runtime.strict import LARGEST
+from gaitflow.runtime.strict import LARGEST, shown
+
+MAX_HEADER = 8_000_000  # bytes: of the largest atlas; half a million empty tensors take minutes and gigabytes
 
 
 @dataclass(frozen=True)
@@ -26,6 +28,9 @@ class TensorFile:
     @classmethod
     def parse(cls, content: bytes, where: str) -> TensorFile:
         """From a file's bytes, whose sizes safetensors checks against each other before anything is made of them."""
+        header = int.from_bytes(content[:8], "little")
+        if header > MAX_HEADER:
+            raise ArtifactError(f"{where}: a header of {header} bytes; it may have at most {MAX_HEADER}")
         try:
             return cls(load(content), where)
         except (SafetensorError, KeyError, ValueError) as error:  # KeyError: an element type numpy does not have
@@ -39,7 +44,7 @@ class TensorFile:
     def expect(self, names: Set[str]) -> None:
         """Refuse a file whose tensors are not exactly these."""
         if odd := sorted(set(self.tensors) ^ names):
-            self.refuse(odd[0], "is missing or too much")
+            self.refuse(shown(odd[0]), "is missing or too much")
 
     def length(self, name: str) -> int:
         """Size of a tensor's first dimension."""

@@ -191,6 +191,16 @@ def test_the_largest_numbers_that_a_file_may_hold_give_finite_starts() -> None:
                 finite_start(made, number, made.nearest(number, place, 2)[-1])
 
 
+def test_a_header_that_would_take_minutes_is_refused() -> None:
+    with pytest.raises(ArtifactError, match=r"^a: a header of 8000001 bytes; it may have at most 8000000"):
+        parse((8_000_001).to_bytes(8, "little") + b" " * 100)
+
+
+def test_a_name_of_two_lines_is_told_in_one() -> None:
+    with pytest.raises(ArtifactError, match=r"^a: 'b\\nc' is missing or too much"):
+        parse(save(load(CONTENT) | {"b\nc": np.zeros(1)}))
+
+
 def test_axes_are_those_of_the_map() -> None:
     with pytest.raises(ArtifactError, match=r"axes are speed, slope; the map's are speed, cycle_duration"):
         parse_atlas(CONTENT, ("speed", "cycle_duration"), GAITS, LAYOUT, ROWS, "a")
