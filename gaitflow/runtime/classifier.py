@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gaitflow.core.errors import ArtifactError
 from gaitflow.runtime.onnx_graph import graph_fault
+from gaitflow.runtime.strict import shown
 
 OUTPUT = "probability"
 SUM = 1e-4  # float32 probabilities of some hundred gaits add up to 1 within this
@@ -38,10 +39,10 @@ class Classifier:
                 content, options, providers=["CPUExecutionProvider"], disabled_optimizers=["ConstantFolding"]
             )
         except Exception as error:  # onnxruntime's errors share no base class but this one
-            raise ArtifactError(f"{where}: onnxruntime cannot load it ({str(error)[:300]})") from None
+            raise ArtifactError(f"{where}: onnxruntime cannot load it ({shown(str(error), 300)})") from None
         inputs, outputs = self._session.get_inputs(), {each.name: each.type for each in self._session.get_outputs()}
         if len(inputs) != 1 or inputs[0].type != "tensor(float)" or outputs.get(OUTPUT) != "tensor(float)":
-            found = ", ".join(outputs)[:200]
+            found = shown(", ".join(outputs), 200)
             raise ArtifactError(f"{where}: expected one float32 input and the output {OUTPUT!r}, found {found}")
         self._input = inputs[0].name
         self._where = where
@@ -72,7 +73,7 @@ class Classifier:
         try:
             result: NDArray[np.float32] = self._session.run([OUTPUT], {self._input: tasks}, options)[0]
         except Exception as error:
-            raise ArtifactError(f"{self._where}: the classifier failed ({str(error)[:300]})") from None
+            raise ArtifactError(f"{self._where}: the classifier failed ({shown(str(error), 300)})") from None
         return result
 
     def _first_answer(self, tasks: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from reprlib import repr as short
 from typing import Any
 
-from gaitflow.runtime.strict import is_number, shown
+from gaitflow.runtime.strict import LONGEST, is_number, shown
 
 Schema = Mapping[str, Any]
 
@@ -52,11 +52,11 @@ def fault_of(data: Any, schema: Schema) -> str | None:
 def _fault(data: Any, schema: Schema, name: str, known: Schema) -> str | None:
     schema = _resolved(schema, known)
     if "type" in schema and not _TYPES[schema["type"]](data):
-        return f"{name} = {short(data)}: must be of the type {schema['type']}"
+        return f"{name} = {short(data)[:LONGEST]}: must be of the type {schema['type']}"
     for word, value in schema.items():
         if word in _LIMITS:
             if not _LIMITS[word](data, value):
-                return f"{name} = {short(data)}: does not fit {word} {short(value)}"
+                return f"{name} = {short(data)[:LONGEST]}: does not fit {word} {short(value)}"
         elif word in ("anyOf", "oneOf"):
             faults = [_fault(data, form, name, known) for form in value]
             if None not in faults:

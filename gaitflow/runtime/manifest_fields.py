@@ -22,7 +22,7 @@ from gaitflow.motion.frames import are_frames
 from gaitflow.runtime.files import LIMITS, FileEntry
 from gaitflow.runtime.json_schema import fault_of
 from gaitflow.runtime.manifest import TIME_FORMAT, Gait
-from gaitflow.runtime.strict import LARGEST, Fields, is_number
+from gaitflow.runtime.strict import LARGEST, Fields, is_number, shown
 from gaitflow.runtime.versions import Version
 from gaitflow.solvers.options import Options, checked_options
 
@@ -104,7 +104,7 @@ def solver_options(fields: Fields) -> Options:
     try:
         options = checked_options(fields.inner("solver", ("options",)).mapping("options"))
     except ArtifactError as error:
-        fields.refuse_inner("solver", str(error).removeprefix("solver."))
+        fields.refuse_inner("solver", shown(str(error).removeprefix("solver."), 800))
     if (most := options.get("max_iter", 0)) > MAX_ITERATIONS:  # type: ignore[operator]  # checked to be an integer
         fields.refuse_inner("solver", f"options.max_iter = {most}: must be an integer from 0 to {MAX_ITERATIONS}")
     return options

@@ -11,6 +11,8 @@ from collections import Counter
 from collections.abc import Iterator, Mapping
 from math import prod
 
+from gaitflow.runtime.strict import shown
+
 _ELEMENTWISE = frozenset({"Add", "Div", "Mul", "Sub"})
 OPERATORS = _ELEMENTWISE | {
     "Cast", "Concat", "Gather", "Gemm", "Identity", "Log", "ReduceMean", "ReduceSum", "Relu", "SVMClassifier", "Scaler",
@@ -64,7 +66,7 @@ def _nodes_fault(nodes: list[list[tuple[int, int | bytes]]], shapes: Mapping[str
     for node in nodes:
         operators = [_text(part) for part in _parts(node, _NODE_OPERATOR)]
         if len(operators) != 1 or operators[0] not in OPERATORS:
-            return f"the operator {' and '.join(operators)[:80] or 'without a name'} is none that a classifier has"
+            return f"the operator {shown(' and '.join(operators)) or 'without a name'} is none that a classifier has"
         counts.update(operators)
         attributes = [number for part in _parts(node, _NODE_ATTRIBUTE) for number, _ in _fields(part)]
         if not {_ATTRIBUTE_TENSOR, _ATTRIBUTE_GRAPH, _ATTRIBUTE_TENSORS, _ATTRIBUTE_GRAPHS}.isdisjoint(attributes):

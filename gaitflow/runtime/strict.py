@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 
 from gaitflow.core.errors import ArtifactError
 
+LONGEST = 200  # letters of a value in an error
 LARGEST = 1e15  # of a stored number: far above what maps hold, and products of several are still finite
 
 
@@ -21,7 +22,7 @@ class Fields:
 
     def __init__(self, data: object, where: str, names: Iterable[str]) -> None:
         if not isinstance(data, dict):
-            raise ArtifactError(f"{where}: expected an object, found {short(data)}")
+            raise ArtifactError(f"{where}: expected an object, found {short(data)[:LONGEST]}")
         self._data: dict[str, Any] = data
         self._where = where
         names = set(names)
@@ -31,7 +32,7 @@ class Fields:
 
     def refuse(self, name: str, allowed: str) -> NoReturn:
         """Raise the error of a field that is not what is `allowed`."""
-        raise ArtifactError(f"{self._where}.{name} = {short(self._data[name])}: must be {allowed}")
+        raise ArtifactError(f"{self._where}.{name} = {short(self._data[name])[:LONGEST]}: must be {allowed}")
 
     def refuse_inner(self, name: str, fault: str) -> NoReturn:
         """Raise the error of what lies deeper in a field, `fault` being its place, its value and what it must be."""
@@ -98,6 +99,6 @@ def is_number(value: object) -> bool:
     return type(value) in (int, float) and abs(value) < 1e300 and math.isfinite(value)  # type: ignore[arg-type]
 
 
-def shown(name: str) -> str:
-    """A name that anybody may have chosen, as one short line of an error can hold it."""
-    return name[:80] if name.isprintable() else repr(name[:80])
+def shown(text: str, longest: int = 80) -> str:
+    """A text that anybody may have written, as an error of one line can hold it."""
+    return text[:longest] if text.isprintable() else repr(text[:longest])

@@ -34,7 +34,7 @@ class TensorFile:
         try:
             return cls(load(content), where)
         except (SafetensorError, KeyError, ValueError) as error:  # KeyError: an element type numpy does not have
-            reason = str(error)[:200]
+            reason = shown(str(error), 200)
             raise ArtifactError(f"{where}: not a safetensors file ({reason}); copy the map again") from None
 
     def refuse(self, name: str, fault: str) -> NoReturn:

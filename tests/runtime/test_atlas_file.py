@@ -201,6 +201,13 @@ def test_a_name_of_two_lines_is_told_in_one() -> None:
         parse(save(load(CONTENT) | {"b\nc": np.zeros(1)}))
 
 
+def test_a_type_of_two_lines_is_told_in_one() -> None:
+    header = b'{"a":{"dtype":"b\\nc","shape":[0],"data_offsets":[0,0]}}'
+    with pytest.raises(ArtifactError, match=r"^a: not a safetensors file .*unknown variant `b\\nc`") as caught:
+        parse(len(header).to_bytes(8, "little") + header)
+    assert str(caught.value).isprintable()
+
+
 def test_axes_are_those_of_the_map() -> None:
     with pytest.raises(ArtifactError, match=r"axes are speed, slope; the map's are speed, cycle_duration"):
         parse_atlas(CONTENT, ("speed", "cycle_duration"), GAITS, LAYOUT, ROWS, "a")

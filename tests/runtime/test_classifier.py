@@ -85,8 +85,10 @@ def test_answers_any_number_of_tasks() -> None:
     [
         (graph(output="scores_"), "the output 'probability', found"),
         (graph(kind=TensorProto.DOUBLE), "expected one float32 input"),
+        (graph(output="a\n\x1b[31m"), r"found 'a\\n\\x1b\[31m'"),
         (graph(columns=2), r"shape \(1, 3\), found \(1, 2\)"),
         (graph(helper.make_node("NoSuchOperator", ["task"], ["probability"])), "NoSuchOperator is none"),
+        (graph(helper.make_node("a\nb", ["task"], ["probability"])), r"the operator 'a\\nb' is none"),
         (b"garbage", "it is no ONNX"),
         (b"", "cannot load it"),
     ],
