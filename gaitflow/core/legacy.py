@@ -9,6 +9,12 @@ from typing import Any
 from gaitflow.core.gaits import Pattern
 from gaitflow.core.names import is_grounded_run
 
+# What every published scenario says, though a file of YAML may leave it to its default.
+_WRITTEN = {
+    "transcription": ("phases", "knots_per_phase", "integrator", "min_phase_fraction"),
+    "strategy": ("name",),
+    "learning": ("tie_tolerance",),
+}
 _WALK = re.compile(r"([a-z]+-beat) walk ([01/]+)")
 
 
@@ -17,8 +23,17 @@ def modern_scenario(data: Mapping[str, Any]) -> dict[str, Any]:
 
     The older form has `terrain: {slope_deg, friction}`, and `tasks` with the ranges of speed [m/s] and cycle_duration
     [s] beside held_out and held_out_seed. Its forces were held over a step and its knots evenly spaced. `data` is not
-    changed. Raises ValueError for data that has neither form.
+    changed. Raises ValueError for data that has neither form, or leaves out what a published scenario says.
     """
+    modern = _with_axes(data)
+    for part, names in _WRITTEN.items():
+        held = modern.get(part, {})
+        if isinstance(held, Mapping) and (missing := [name for name in names if name not in held]):
+            raise ValueError(f"a scenario without {part}.{missing[0]}")
+    return modern
+
+
+def _with_axes(data: Mapping[str, Any]) -> dict[str, Any]:
     tasks = data.get("tasks")
     if isinstance(tasks, Mapping) and isinstance(tasks.get("axes"), Mapping):
         return dict(data)

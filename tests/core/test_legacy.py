@@ -29,6 +29,14 @@ def test_terrain_and_ranges_become_axes() -> None:
     assert modern["robot"] == OLD["robot"]
 
 
+@pytest.mark.parametrize("part", ["transcription", "strategy", "learning"])
+def test_what_every_published_scenario_says_has_no_default(part: str) -> None:
+    modern = modern_scenario(OLD)
+    for odd in ({key: value for key, value in modern.items() if key != part}, modern | {part: {}}):
+        with pytest.raises(ValueError, match=rf"a scenario without {part}\.(phases|name|tie_tolerance)"):
+            modern_scenario(odd)
+
+
 def test_what_reads_scenarios_reads_it() -> None:
     modern = modern_scenario(OLD)
     space = TaskSpace.of(modern)

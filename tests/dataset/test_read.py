@@ -132,6 +132,7 @@ def test_what_is_sealed_and_yet_no_solutions_is_refused_by_name(dataset: Path, t
         {key: value for key, value in record.items() if key != "scenario"},
         record | {"scenario": 3},
         record | {"scenario": record["scenario"] | {"robot": None}},
+        record | {"scenario": record["scenario"] | {"transcription": {"phases": 4}}},
     ):
         with pytest.raises(ValueError, match=r"bad\.parquet: its record holds no scenario"):
             load_solutions(resealed(tmp_path / "bad.parquet", table, bad_record))
