@@ -17,7 +17,7 @@ from gaitflow.tables.untrusted import file_in, opened, read_table
 
 FILE_NAME = "labels.parquet"
 MAX_ROWS = MAX_GRID + 100_000  # of a scenario's tasks: its grid and those held out
-MAX_BYTES = 1 << 30  # of all columns when unpacked
+MAX_BYTES = 1 << 29  # of all columns when unpacked
 
 _TEXTS = ("gait", "pattern", "runner_up", "status", "split", "label")
 _NUMBERS = ("cost", "margin")

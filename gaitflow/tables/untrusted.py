@@ -15,6 +15,7 @@ import pyarrow.parquet as pq
 from gaitflow.files import inside
 
 ROWS_AT_ONCE = 4096
+PIECE = 1 << 28  # bytes that the texts of rows read at once may unpack to
 
 
 def file_in(path: Path, name: str) -> Path:
@@ -43,7 +44,8 @@ def opened(path: Path, most_rows: int) -> Iterator[pq.ParquetFile]:
         raise ValueError(f"{path}: unpacks to more than this machine's memory") from None
     except (pa.ArrowException, OSError) as error:
         reason = " ".join(str(error).split())[:200]
-        raise ValueError(f"{path}: not a readable Parquet file ({reason})") from None
+        told = reason if reason.isprintable() else repr(reason)  # it may repeat bytes of the file
+        raise ValueError(f"{path}: not a readable Parquet file ({told})") from None
 
 
 def read_table(file: pq.ParquetFile, path: Path, most_bytes: int) -> pa.Table:
@@ -53,9 +55,17 @@ def read_table(file: pq.ParquetFile, path: Path, most_bytes: int) -> pa.Table:
     if file.metadata.num_rows * 8 * sum(fixed) > most_bytes:
         raise ValueError(f"{path}: {file.metadata.num_rows} rows unpack to more than {most_bytes} bytes")
     pieces, size = list[pa.RecordBatch](), 0
-    for piece in file.iter_batches(batch_size=ROWS_AT_ONCE, use_threads=False):
+    for piece in file.iter_batches(batch_size=_rows_at_once(file.metadata), use_threads=False):
         size += piece.nbytes
         if size > most_bytes:
             raise ValueError(f"{path}: unpacks to more than {most_bytes} bytes")
         pieces.append(piece)
     return pa.Table.from_batches(pieces, file.schema_arrow)
+
+
+def _rows_at_once(told: pq.FileMetaData) -> int:
+    """How many rows to unpack at once: a text that is kept once may be in each of them, as long as all that is kept."""
+    groups = [told.row_group(i) for i in range(told.num_row_groups)]
+    columns = [[group.column(i) for i in range(group.num_columns)] for group in groups]
+    kept = [sum(each.total_uncompressed_size for each in own if each.physical_type == "BYTE_ARRAY") for own in columns]
+    return max(1, min(ROWS_AT_ONCE, PIECE // max([1, *kept])))

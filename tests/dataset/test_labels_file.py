@@ -59,6 +59,29 @@ def test_millions_of_empty_rows_are_refused_unread(tmp_path: Path, published: pa
         read_labels(tmp_path)
 
 
+def test_a_text_kept_once_is_not_unpacked_for_each_row_at_once(tmp_path: Path, published: pa.Table) -> None:
+    rows, text = 2000, "x" * 1_000_000
+    texts = pa.DictionaryArray.from_arrays(pa.array([0] * rows, pa.int32()), pa.array([text]))
+    table = with_column(published.take([0] * rows), "gait", texts)
+    pq.write_table(table, tmp_path / FILE_NAME, store_schema=False)
+    assert (tmp_path / FILE_NAME).stat().st_size < 200_000
+    before = pa.total_allocated_bytes()
+    peak = pa.default_memory_pool().max_memory() - before
+    with pytest.raises(ValueError, match="unpacks to more than 536870912 bytes"):
+        read_labels(tmp_path)
+    assert pa.default_memory_pool().max_memory() - before < max(peak, 1_600_000_000)
+
+
+def test_a_footer_of_odd_bytes_is_told_in_one_line(tmp_path: Path, published: pa.Table) -> None:
+    pq.write_table(published, tmp_path / FILE_NAME)
+    data = bytearray((tmp_path / FILE_NAME).read_bytes())
+    data[-8 - int.from_bytes(data[-8:-4], "little")] = 0x1F  # a field of a type that there is not
+    (tmp_path / FILE_NAME).write_bytes(data)
+    with pytest.raises(ValueError, match="not a readable Parquet file") as caught:
+        read_labels(tmp_path)
+    assert str(caught.value).isprintable()
+
+
 def test_a_link_out_of_the_folder_is_not_followed(tmp_path: Path, published: pa.Table) -> None:
     pq.write_table(published, tmp_path / "elsewhere.parquet")
     (tmp_path / "1.0.0").mkdir()
