@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from reprlib import repr as short
 from xml.etree import ElementTree
 
 import numpy as np
@@ -21,6 +22,7 @@ MAX_ELEMENTS = 50_000
 MAX_LINKS = 1_000  # a legged robot has some dozens
 MAX_CHAIN = 100  # links one below the other: the library that reads it walks the tree recursively
 MAX_NESTING = 20  # elements one inside the other
+MAX_NAME = 200  # letters, all printable: errors and results show names
 MAX_ATTRIBUTES = 100  # of one element: the time that the library takes grows with their square
 NEGLIGIBLE = 0.01  # of all links' moments: makers give cameras and empty base links placeholders that no body has
 MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -77,6 +79,10 @@ def read_description(path: Path) -> Description:
     for what, (count, most) in found.items():
         if count > most:
             raise ConfigError(f"{path}: has {count} or more {what}; the most it may have are {most}")
+    for each in root.iter():
+        own = each.get("name", "")
+        if len(own) > MAX_NAME or not own.isprintable():
+            raise ConfigError(f"{path}: the name {short(own)}: must have at most {MAX_NAME} letters, all printable")
     bodies = {link.get("name"): _body(path, link) for link in root.iterfind("link[inertial]")}
     _check_moments(path, {link: inertia for link, (_, inertia) in bodies.items()})
     return Description(path, name, text, sum(mass for mass, _ in bodies.values()))

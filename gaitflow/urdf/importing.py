@@ -150,7 +150,7 @@ def _check_sides(names: Sequence[str], links: Sequence[str], feet: Array) -> Non
     # Without a front leg, R is no rear: RL is then a right leg.
     placed = any(place is not None and place[0] > 0 for place in places.values())
     for name, link, foot in zip(names, links, feet, strict=True):
-        where = f"({', '.join(f'{value:.3f}' for value in foot)}) m from the centre of mass"
+        where = f"({', '.join(f'{value:.3g}' for value in foot)}) m from the centre of mass"
         if foot[2] >= 0:
             raise ConfigError(f"foot {link} is at {where}, not below it: the base link's z must point up")
         expected = places[name] if placed else None

@@ -27,7 +27,7 @@ def max_vertical_force(legs: Sequence[LegChain]) -> float:
     weight = legs[0].mechanism.mass * GRAVITY
     if force > MOST_WEIGHTS * weight:
         raise ConfigError(
-            f"{legs[0].mechanism.label}: its effort limits allow {force:.0f} N on one foot, {force / weight:.0f} times "
+            f"{legs[0].mechanism.label}: its effort limits allow {force:.4g} N on one foot, {force / weight:.4g} times "
             "the robot's weight: placeholders. Give what the motors can do with --max-force"
         )
     return force

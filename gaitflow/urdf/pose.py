@@ -15,6 +15,7 @@ from gaitflow.urdf.mechanism import Array, Mechanism
 
 STANDING = ("standing", "half_sitting")  # names of group_states that are tried when no pose is asked for
 MAX_NEIGHBOURS = 50  # SRDF files looked at
+MOST_SAID = 24  # names in one error
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,11 @@ def pose_of(asked: str | None, mechanism: Mechanism, leg_joints: Sequence[int], 
         states = {} if srdf is None else _group_states(srdf)
         name = asked or next((name for name in STANDING if name in states), None)
         if name not in states:
-            known = f"{srdf.label} has {', '.join(states) or 'none'}" if srdf else "no SRDF of this robot was found"
+            known = (
+                f"{srdf.label} has {', '.join(list(states)[:MOST_SAID]) or 'none'}"
+                if srdf
+                else "no SRDF of this robot was found"
+            )
             raise ConfigError(
                 f"{mechanism.label}: {f'no pose {asked!r}' if asked else 'which pose?'} ({known}): name one with "
                 "--pose and --srdf, or give every leg joint a value: --pose JOINT=RAD,JOINT=RAD,..."
@@ -70,10 +75,12 @@ def _angles(values: Mapping[str, float], mechanism: Mechanism, leg_joints: Seque
     names, where = mechanism.joint_names, f"{mechanism.label}: {label}"
     unknown = [name for name in values if name not in names]
     if unknown:
-        raise ConfigError(f"{where}: no joint {', '.join(unknown)}; joints are {', '.join(names)}")
+        raise ConfigError(
+            f"{where}: no joint {', '.join(unknown[:MOST_SAID])}; joints are {', '.join(names[:MOST_SAID])}"
+        )
     missing = [names[joint] for joint in leg_joints if names[joint] not in values]
     if missing:
-        raise ConfigError(f"{where}: no value for the leg joints {', '.join(missing)}")
+        raise ConfigError(f"{where}: no value for the leg joints {', '.join(missing[:MOST_SAID])}")
     angles = np.clip(np.zeros(len(names)), mechanism.lower, mechanism.upper)
     for name, value in values.items():
         joint = names.index(name)

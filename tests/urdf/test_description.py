@@ -138,6 +138,12 @@ def test_deeply_nested_elements_are_refused(write: Write) -> None:
     assert "elements one inside the other; the most" in refusal(write(f'<robot name="a">{nested}</robot>'))
 
 
+@pytest.mark.parametrize("name", ["l" * 201, "l&#10;m", "l\u202em"])
+def test_names_that_no_error_could_show_are_refused(write: Write, name: str) -> None:
+    said = refusal(write(f'<robot name="a"><link name="{name}"/></robot>'))
+    assert "must have at most 200 letters, all printable" in said and said.isprintable() and len(said) < 300
+
+
 def test_a_missing_file(tmp_path: Path) -> None:
     assert "cannot be read" in refusal(tmp_path / "no.urdf")
 
