@@ -84,12 +84,12 @@ def _to_json(data: Any, source: str) -> str:
 def _explain(model: type[BaseModel], item: Any) -> str:
     """One line on one pydantic error: field, value, what is allowed."""
     kind, loc, value = item["type"], item["loc"], item["input"]
-    field = ".".join(str(part) for part in loc if part not in FORMS)
+    field = ".".join(_shown(str(part)) for part in loc if part not in FORMS)
     if kind == "value_error":  # of a validator of ours, whose text gives the values it compared
         return f"{field}: {item['ctx']['error']}" if field else str(item["ctx"]["error"])
     if kind == "missing":
         return f"{field}: missing; this field has no default"
-    given = f"{field} = {short(value)}" if field else "whole file"
+    given = f"{field} = {short(value)[:200]}" if field else "whole file"
     if kind == "extra_forbidden":
         allowed = _fields_at(model, loc[:-1])
         return f"{given}: unknown field{meant(loc[-1], allowed)} allowed: {', '.join(allowed)}"
@@ -97,6 +97,11 @@ def _explain(model: type[BaseModel], item: Any) -> str:
     if kind in ("float_type", "int_type") and isinstance(value, str):
         message += "; this is text: write it without quotes, and an exponent as in 1.0e+6"
     return f"{given}: {message}"
+
+
+def _shown(name: str) -> str:
+    """The name of a field, which anybody may have chosen, as one line can hold it."""
+    return name[:80] if name.isprintable() else repr(name[:80])
 
 
 def _fields_at(model: type[BaseModel], loc: Sequence[str | int]) -> list[str]:

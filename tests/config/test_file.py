@@ -91,6 +91,7 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
         ({"lode": 1}, "cart.yaml: lode = 1: unknown field, did you mean load? allowed: wheels, load"),
         ({"zzz": 1}, "cart.yaml: zzz = 1: unknown field; allowed: wheels, load"),
         ({"wheels": [{"radius": 1, "hub": 2}]}, "cart.yaml: wheels.0.hub = 2: unknown field; allowed: radius"),
+        ({"a\n\x1b[31m": 1}, r"cart.yaml: 'a\n\x1b[31m' = 1: unknown field; allowed: wheels, load"),
         ({"wheels": [{}]}, "cart.yaml: wheels.0.radius: missing; this field has no default"),
         ({"wheels": 3}, "cart.yaml: wheels = 3: Input should be a valid array"),
         ({"load": True}, "cart.yaml: load = True: Input should be a valid number"),
