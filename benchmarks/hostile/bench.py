@@ -10,36 +10,44 @@ import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from benchmarks.document import document
-from benchmarks.hostile import configs, datasets, map_bin, maps
-from benchmarks.hostile.sandbox import GOOD, Outcome, ask
+from benchmarks.hostile import configs, datasets, map_bin, maps, urdfs
+from benchmarks.hostile.damage import Damage
+from benchmarks.hostile.sandbox import CPU_S, GOOD, Outcome, ask
 from benchmarks.rows import Row
 
-CASES = {"maps": 1000, "configs": 500, "datasets": 500, "map_bin": 500}
+# Of all the damages that a kind of file may have, the most that are tried.
+CASES = {"maps": 1200, "configs": 600, "datasets": 500, "urdfs": 450, "map_bin": 500}
+PLANNING_CPU_S = 90  # of three motions that there are not, each sought by all gaits and by IPOPT
+MODULES: dict[str, ModuleType] = {"maps": maps, "configs": configs, "datasets": datasets, "urdfs": urdfs}
 MODELS = (
     "half-cheetah-exact-vibration/1.1.0",  # of layers
     "half-cheetah-exact-effort/1.1.0",  # support vectors
     "half-cheetah-exact-slope20-vibration/1.1.0",  # neighbours
     "go1-energy/1.0.0",  # trees
 )
+OLDER = ("half-cheetah-flat-vibration/1.0.0", "half-cheetah-flat-vibration/1.1.0")  # of formats 1 and 2
 DATASET = "tests/data/datasets/half-cheetah-slope20-vibration/1.0.0"
 SAY_EVERY = 50
 ATTEMPTS = 10
 NOTES = (
-    "A case is a sound file, damaged in one way by a random number generator of the seed, with digests, seals and "
-    "checksums made right again; then read and asked in a forked process with limits of CPU and wall time and memory.",
+    "A case is a sound file, damaged in one way: a field that has another value, by a table of values, or whatever a "
+    "random number generator of the seed chooses; with digests, seals and checksums made right again. It is then read "
+    "and asked in a forked process with limits of CPU and wall time and memory.",
     "same answer: what the undamaged file says. another answer: one that is finite and of the right form, as a damaged "
     "number may be as good as the one that was there. refused: the documented error, at most one clear line a fault.",
     "Everything else is a fault: unsound (numbers that are not finite, an unclear error), traceback (another "
-    "exception), memory, crash (a signal, a sanitizer's finding), hang, outside (a file beside its folder was read).",
-    "maps: loaded and asked for seven tasks, every 25th for a motion, too. configs: scenarios, robots, profiles, "
-    "URDFs. datasets: what `labels` and `show` read. map_bin: the exported file in C++ under ASan and UBSan.",
+    "exception), memory, crash (a signal, a sanitizer's finding), hang, outside (a file beside its folder was read or "
+    "written). places: how many fields were damaged, one by one.",
+    "maps: loaded, asked for seven tasks one by one and together, exported, and planned with at three tasks. configs: "
+    "scenarios, robots, profiles. datasets: what `labels` and `show` read. urdfs: imported, with the SRDF beside. "
+    "map_bin: the exported file in C++ under ASan and UBSan.",
 )
 
 
@@ -49,22 +57,36 @@ class _Case:
 
     what: str
     outcome: Outcome
+    place: str = ""
 
     def beside(self, original: Outcome) -> _Case:
-        return _Case(self.what, self.outcome.beside(original))
+        return replace(self, outcome=self.outcome.beside(original))
+
+    @property
+    def fault(self) -> str | None:
+        """What is wrong, None where nothing is."""
+        if self.outcome.verdict in GOOD:
+            return None
+        return f"{self.outcome.verdict}: {self.place} {self.outcome.told}"
 
 
 def run(checkout: Path, seed: int = 0, tasks: int | None = None) -> dict[str, Any]:
-    """The document: a row a kind of file and of damage. `tasks` is how many cases of each kind there are."""
+    """The document: a row a kind of file and of damage. `tasks` is how many cases of each kind there are at most."""
     rows: list[Row] = []
     for kind, own in CASES.items():
-        cases = own if tasks is None else tasks
         with tempfile.TemporaryDirectory(prefix=f"hostile-{kind}-") as folder:
-            found = list(_judged(kind, checkout, Path(folder), cases, seed))
+            judged = _of_map_bin if kind == "map_bin" else _of_folders
+            found = []
+            for case in judged(kind, checkout, Path(folder), own if tasks is None else tasks, seed):
+                found.append(case)
+                if case.fault is not None:
+                    print(f"hostile {kind}: {case.what}: {case.fault!r}", file=sys.stderr, flush=True)
         for what in sorted({case.what for case in found}):
-            outcomes = [case.outcome for case in found if case.what == what]
-            faults = [f"{each.verdict}: {each.told}" for each in outcomes if each.verdict not in GOOD]
-            rows.append({"kind": kind, "what": what, **_counts(outcomes), "faults": faults[:5]})
+            cases = [case for case in found if case.what == what]
+            places = len({case.place for case in cases if case.place})
+            faults = [case.fault for case in cases if case.fault is not None]
+            counts = _counts([case.outcome for case in cases])
+            rows.append({"kind": kind, "what": what, **counts, "places": places, "faults": faults[:5]})
     return document("hostile", None, rows, summarise(rows) | {"seed": seed}, NOTES)
 
 
@@ -75,7 +97,7 @@ def summarise(rows: list[Row]) -> Row:
         total: Counter[str] = Counter()
         for row in rows:
             if row["kind"] == kind:
-                total.update({key: value for key, value in row.items() if isinstance(value, int)})
+                total.update({key: n for key, n in row.items() if isinstance(n, int) and key != "places"})
         summary[kind] = dict(total)
     return summary
 
@@ -86,43 +108,41 @@ def _counts(outcomes: list[Outcome]) -> dict[str, int]:
     return {"cases": len(outcomes), **{good: verdicts[good] for good in GOOD}, "fault": sum(faults.values()), **faults}
 
 
-def _judged(kind: str, checkout: Path, scratch: Path, cases: int, seed: int) -> Iterator[_Case]:
-    done = _of_map_bin if kind == "map_bin" else _of_folders
-    for number, judged in enumerate(done(kind, checkout, scratch, cases, seed)):
-        if number % SAY_EVERY == 0:
-            print(f"hostile {kind}: {number} of {cases}", file=sys.stderr, flush=True)
-        yield judged
-
-
-def _of_folders(kind: str, checkout: Path, scratch: Path, cases: int, seed: int) -> Iterator[_Case]:
-    modules: dict[str, ModuleType] = {"maps": maps, "configs": configs, "datasets": datasets}
-    module, originals = modules[kind], list[tuple[Path, Outcome]]()
+def _of_folders(kind: str, checkout: Path, scratch: Path, most: int, seed: int) -> Iterator[_Case]:
+    module, sounds, originals = MODULES[kind], list[Path](), list[Outcome]()
     for i, source in enumerate(_sources(kind, checkout, scratch)):
-        folder = Path(shutil.copytree(source, scratch / f"sound-{i}"))
-        original = ask(partial(module.ask, folder, 1), module.REFUSALS)
-        if original.verdict != "same answer":
-            raise ValueError(f"{source}: the undamaged file gives {original.verdict}: {original.told}")
-        originals.append((folder, original))
-    for number in range(cases):
-        folder, original = originals[number % len(originals)]
-        yield _one(module, folder, scratch, number, f"{seed} {kind} {number}").beside(original)
+        sounds.append(Path(shutil.copytree(source, scratch / f"sound-{i}")))
+        originals.append(ask(partial(module.ask, sounds[i]), module.REFUSALS, _cpu_s(module)))
+        if originals[i].verdict != "same answer":
+            raise ValueError(f"{source}: the undamaged file gives {originals[i].verdict}: {originals[i].told}")
+    damages = list(module.damages(sounds))
+    if len(damages) > most:
+        damages = random.Random(f"{seed} {kind}").sample(damages, most)
+    for number, (i, damage) in enumerate(damages):
+        _say(kind, number, len(damages))
+        yield _one(module, damage, sounds[i], scratch, f"{seed} {kind} {number}").beside(originals[i])
 
 
-def _one(module: ModuleType, sound: Path, scratch: Path, number: int, seed: str) -> _Case:
-    """A copy of the sound folder, damaged and asked; damage that its own writer refuses is not one, so another is."""
+def _one(module: ModuleType, damage: Damage, sound: Path, scratch: Path, seed: str) -> _Case:
+    """A copy of the sound folder, damaged and asked; damage that its own writer refuses is tried again otherwise."""
     for attempt in range(ATTEMPTS):
         with _copied(sound, scratch) as (folder, outside):
             chance = random.Random(f"{seed} {attempt}")
-            damage = ask(partial(module.damage, folder, outside, chance), ())  # forked, as libraries start threads
-            if damage.verdict != "same answer":
+            done = ask(partial(damage.do, folder, outside, chance), ())  # forked, as libraries start threads
+            if done.verdict != "same answer":
                 continue
-            with _watched(outside) as was_read:
-                outcome = ask(partial(module.ask, folder, number), module.REFUSALS)
-            return _Case(str(damage.told), Outcome("outside", outcome.told) if was_read() else outcome)
-    raise RuntimeError(f"{sound} could not be damaged by the seed {seed!r}: {damage}")
+            with _watched(outside) as was_touched:
+                outcome = ask(partial(module.ask, folder), module.REFUSALS, _cpu_s(module), outside)
+            what = f"{damage.what} {done.told}".strip()
+            return _Case(what, Outcome("outside", outcome.told) if was_touched() else outcome, damage.place)
+    raise RuntimeError(f"{sound} could not be damaged by {damage.what} {damage.place}, seed {seed!r}: {done.told}")
 
 
-def _of_map_bin(kind: str, checkout: Path, scratch: Path, cases: int, seed: int) -> Iterator[_Case]:
+def _cpu_s(module: ModuleType) -> int:
+    return PLANNING_CPU_S if module is maps else CPU_S
+
+
+def _of_map_bin(kind: str, checkout: Path, scratch: Path, most: int, seed: int) -> Iterator[_Case]:
     program, file = map_bin.built(checkout, scratch / "ask_map"), scratch / "map.bin"
     originals = []
     for model in MODELS:
@@ -132,11 +152,17 @@ def _of_map_bin(kind: str, checkout: Path, scratch: Path, cases: int, seed: int)
         if original.verdict != "same answer":
             raise ValueError(f"{model}: the undamaged file gives {original.verdict}: {original.told}")
         originals.append((content, original))
-    for number in range(cases):
+    for number in range(most):
+        _say(kind, number, most)
         content, original = originals[number % len(originals)]
         what, bad = map_bin.damaged(content, random.Random(f"{seed} {kind} {number}"))
         file.write_bytes(bad)
         yield _Case(what, map_bin.ask(program, file, _places())).beside(original)
+
+
+def _say(kind: str, number: int, cases: int) -> None:
+    if number % SAY_EVERY == 0:
+        print(f"hostile {kind}: {number} of {cases}", file=sys.stderr, flush=True)
 
 
 def _places() -> str:
@@ -145,17 +171,20 @@ def _places() -> str:
 
 def _sources(kind: str, checkout: Path, scratch: Path) -> list[Path]:
     if kind == "maps":
-        return [checkout / "models" / model for model in MODELS]
+        return [checkout / "models" / model for model in (*MODELS, *OLDER)]
     if kind == "datasets":
         return [checkout / DATASET]
-    (scratch / "configs").mkdir()
-    configs.prepare(checkout, scratch / "configs")
-    return [scratch / "configs"]
+    (scratch / kind).mkdir()
+    if kind == "configs":
+        configs.prepare(checkout, scratch / kind)
+    else:
+        urdfs.prepare(scratch / kind)
+    return [scratch / kind]
 
 
 @contextmanager
 def _copied(sound: Path, scratch: Path) -> Iterator[tuple[Path, Path]]:
-    """A copy to damage, and a folder beside it that nothing may read from."""
+    """A copy to damage, and a folder beside it that nothing may touch."""
     with tempfile.TemporaryDirectory(dir=scratch) as folder:
         outside = Path(folder) / "outside"
         outside.mkdir()
@@ -164,7 +193,7 @@ def _copied(sound: Path, scratch: Path) -> Iterator[tuple[Path, Path]]:
 
 @contextmanager
 def _watched(outside: Path) -> Iterator[Callable[[], bool]]:
-    """Says afterwards whether a file was read: by its time of access, which the file system has to keep."""
+    """Says afterwards whether a file was read, by its time of access, which the file system has to keep, or written."""
     probe = outside / ".probe"
     probe.write_bytes(b"x")
     files = [path for path in outside.iterdir() if path.is_file()]
@@ -173,4 +202,15 @@ def _watched(outside: Path) -> Iterator[Callable[[], bool]]:
     probe.read_bytes()
     if probe.stat().st_atime == 0:
         raise ValueError(f"{outside}: this file system keeps no times of access, so reads cannot be seen; set TMPDIR")
-    yield lambda: any(path.stat().st_atime != 0 for path in files if path != probe)
+    before = _written(outside)
+
+    def was_touched() -> bool:
+        read = any(path.stat().st_atime != 0 for path in files if path != probe)
+        return read or _written(outside) != before
+
+    yield was_touched
+
+
+def _written(folder: Path) -> dict[str, int]:
+    """The files in a folder with the time [ns] at which each was written."""
+    return {path.name: path.stat().st_mtime_ns for path in folder.iterdir()}

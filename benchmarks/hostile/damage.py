@@ -1,16 +1,24 @@
-"""Ways to damage bytes and plain data, by a random number generator."""
+"""What damage is, and ways to damage bytes by a random number generator."""
 
 from __future__ import annotations
 
-import copy
 import random
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
 
-ODD: tuple[Any, ...] = (
-    None, True, -1, 0, 1.5, 10**9, 2**63, 10**400, 1e308, -1e308, 5e-324, float("nan"), float("inf"), "", "x" * 5000,
-    "../../outside", "\0", "\n", "é\u202e", "NaN", "1e9", [], {}, [[]], [None], {"": None}, {"a": {"b": {}}},
-)  # fmt: skip
-DEPTH = 5000
+
+@dataclass(frozen=True)
+class Damage:
+    """What is done to the files in a folder, and to which field of theirs where that is known beforehand.
+
+    `do` takes the folder, another one that nothing may read from, and a random number generator; it gives what it did
+    in a word, which is empty where `what` says it all. It may raise where the file's own writer refuses.
+    """
+
+    what: str
+    place: str
+    do: Callable[[Path, Path, random.Random], str]
 
 
 def damaged_bytes(content: bytes, chance: random.Random) -> tuple[str, bytes]:
@@ -32,39 +40,3 @@ def damaged_bytes(content: bytes, chance: random.Random) -> tuple[str, bytes]:
         case _:
             data[at : at + length] = chance.choice([b"\0", b"\xff", bytes(range(256))]) * length
     return how, bytes(data)
-
-
-def damaged_data(data: Any, chance: random.Random) -> tuple[str, Any]:
-    """How plain data were damaged, and what came of it: a value of another kind, one missing or too much, depth."""
-    data = copy.deepcopy(data)
-    places = list(_places(data))
-    holder, key = chance.choice(places)
-    how = chance.choice(["odd", "odd", "odd", "missing", "extra", "swap", "scale", "deep", "many"])
-    value = holder[key]
-    match how:
-        case "missing":
-            del holder[key]
-        case "extra" if isinstance(holder, dict):
-            holder[chance.choice(["extra", "", "__class__", key + " ", "sha256"])] = chance.choice(ODD)
-        case "swap":
-            other, place = chance.choice(places)
-            holder[key], other[place] = copy.deepcopy(other[place]), value
-        case "scale" if isinstance(value, int | float):
-            holder[key] = value * chance.choice([-1, 0, 1e-300, 1e3, 1e15, 1e300])
-        case "deep":
-            for _ in range(DEPTH // 20):
-                value = [value] if chance.random() < 0.5 else {"a": value}
-            holder[key] = value
-        case "many":
-            holder[key] = [value] * chance.choice([0, 2, 5000])
-        case _:
-            holder[key] = chance.choice(ODD)
-    return how, data
-
-
-def _places(data: Any) -> Any:
-    """Every (holder, key) in plain data."""
-    keys = list(data) if isinstance(data, dict) else list(range(len(data))) if isinstance(data, list) else []
-    for key in keys:
-        yield data, key
-        yield from _places(data[key])

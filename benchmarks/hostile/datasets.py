@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import math
 import random
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +14,8 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from benchmarks.hostile.damage import damaged_bytes, damaged_data
+from benchmarks.hostile import fields, folders
+from benchmarks.hostile.damage import Damage, damaged_bytes
 from benchmarks.hostile.sandbox import Unsound
 from gaitflow.dataset import load_solutions
 from gaitflow.dataset.labels_file import FILE_NAME as LABELS
@@ -23,41 +26,30 @@ from gaitflow.report import stored
 from gaitflow.tables.seal import BrokenSeal, seal, write_sealed
 
 REFUSALS = (ValueError, FileNotFoundError)
+MANIFEST = "manifest.json"
 EMPTY_ROWS = 3_000_000
+WAYS = (
+    "drop", "rename", "twice", "text", "null", "number", "number", "number", "empty", "none", "extra", "list",
+    "one long text", "many long texts",
+)  # fmt: skip
+LONG_TEXT, LONG_TEXTS = 1_000_000, 3000
 ODD_NUMBERS = (1e308, float("nan"), float("inf"), -1.0, 0.0, 1e30)
 
 
-def damage(folder: Path, outside: Path, chance: random.Random) -> str:
-    """Damage the dataset in a folder and seal it again; what was done."""
-    name = chance.choice([FILE_NAME, FILE_NAME, LABELS, LABELS, "manifest.json"])
-    path, what = folder / name, chance.choice(["table", "table", "table", "record", "bytes", "link"])
-    if name == "manifest.json":
-        how, data = damaged_data(json.loads(path.read_bytes()), chance)
-        path.write_text(json.dumps(data), encoding="utf-8")
-        return f"{name} {how}"
-    if what == "link":
-        (outside / name).write_bytes(path.read_bytes())
-        path.unlink()
-        path.symlink_to(outside / name)
-    elif what == "bytes":
-        how, content = damaged_bytes(path.read_bytes(), chance)
-        path.write_bytes(content)
-        what = f"bytes {how}"
-        if name == FILE_NAME and chance.random() < 0.7:
-            _seal_again(path)
-    else:
-        table = pq.read_table(path)
-        record = json.loads((pq.read_metadata(path).metadata or {}).get(b"gaitflow", b"{}"))
-        if what == "record" and name == FILE_NAME:
-            how, record = damaged_data(record, chance)
-        else:
-            how, table = _damaged_table(table, chance)
-        _write(path, table, record)
-        what = f"{what} {how}"
-    return f"{name} {what}"
+def damages(sounds: Sequence[Path]) -> Iterator[tuple[int, Damage]]:
+    """Every field of the record and the manifest in every way, and columns, bytes and places at random."""
+    for number, folder in enumerate(sounds):
+        manifest = json.loads((folder / MANIFEST).read_bytes())
+        for name, data in ((MANIFEST, manifest), (FILE_NAME, _record(folder / FILE_NAME))):
+            for path in fields.fields_of(data):
+                for oddity in fields.oddities_of(data, path):
+                    place = f"{name} {'.'.join(map(str, path))}"
+                    yield number, Damage(f"{name} field {oddity}", place, partial(_damage_field, name, path, oddity))
+        for what, (times, do) in _AT_RANDOM.items():
+            yield from [(number, Damage(what, "", do))] * times
 
 
-def ask(folder: Path, number: int) -> Any:
+def ask(folder: Path) -> Any:
     """What the commands `labels` and `show` say of it. Raises ValueError, FileNotFoundError, Unsound."""
     manifest, solutions, labels = read_manifest(folder), load_solutions(folder), read_labels(folder)
     motions = 0
@@ -75,9 +67,56 @@ def ask(folder: Path, number: int) -> Any:
     return [manifest.version, len(solutions), motions, total, task.text(), len(ranked), str(labels.to_pylist())]
 
 
+def _damage_field(name: str, path: fields.Path, oddity: str, folder: Path, outside: Path, chance: random.Random) -> str:
+    if name == MANIFEST:
+        data = fields.damaged_field(json.loads((folder / name).read_bytes()), path, oddity)
+        (folder / name).write_text(json.dumps(data), encoding="utf-8")
+    else:
+        data = fields.damaged_field(_record(folder / name), path, oddity)
+        _write(folder / name, pq.read_table(folder / name), data)
+    return ""
+
+
+def _damage_table(folder: Path, outside: Path, chance: random.Random) -> str:
+    path = folder / chance.choice([FILE_NAME, LABELS])
+    how, table = _damaged_table(pq.read_table(path), chance)
+    _write(path, table, _record(path))
+    return f"{path.name} {how}"
+
+
+def _damage_bytes(folder: Path, outside: Path, chance: random.Random) -> str:
+    """Anywhere, or in the footer, where a file says what is where."""
+    path = folder / chance.choice([FILE_NAME, LABELS])
+    content = path.read_bytes()
+    tail = chance.choice([64, 8192, len(content)])
+    how, damaged = damaged_bytes(content[-tail:], chance)
+    path.write_bytes(content[:-tail] + damaged)
+    if path.name == FILE_NAME and chance.random() < 0.7:
+        _seal_again(path)
+    return f"{path.name} {how}"
+
+
+def _damage_place(folder: Path, outside: Path, chance: random.Random) -> str:
+    files = sorted(each for each in folder.iterdir() if each.is_file())
+    return folders.damaged(chance.choice(files), files, outside, chance)
+
+
+_AT_RANDOM: dict[str, tuple[int, Callable[[Path, Path, random.Random], str]]] = {
+    "column": (200, _damage_table),
+    "bytes": (100, _damage_bytes),
+    "file": (40, _damage_place),
+}
+
+
+def _record(path: Path) -> Any:
+    """What a table says of itself; labels say nothing."""
+    return json.loads((pq.read_metadata(path).metadata or {}).get(b"gaitflow", b"{}"))
+
+
 def _write(path: Path, table: pa.Table, record: Any) -> None:
     if path.name == LABELS:
-        pq.write_table(table, path)
+        plain = not any(pa.types.is_dictionary(each.type) for each in table.schema)
+        pq.write_table(table, path, store_schema=plain)  # without it, text comes back as text
         return
     with open(path, "wb+") as file:
         write_sealed(file, table.schema, [table], record)
@@ -95,9 +134,7 @@ def _seal_again(path: Path) -> None:
 def _damaged_table(table: pa.Table, chance: random.Random) -> tuple[str, pa.Table]:
     name = chance.choice(table.column_names)
     at, column = table.column_names.index(name), table[name]
-    how = chance.choice(
-        ["drop", "rename", "twice", "text", "null", "number", "number", "number", "empty", "none", "extra", "list"]
-    )
+    how = chance.choice(WAYS)
     match how:
         case "drop":
             return how, table.drop_columns([name])
@@ -127,6 +164,11 @@ def _damaged_table(table: pa.Table, chance: random.Random) -> tuple[str, pa.Tabl
             return how, table.slice(0, 0)
         case "extra":
             return how, table.append_column("extra", pa.array([{"a": [1]}] * len(table)))
+        case "one long text" | "many long texts":  # kept once in the file, and unpacked for each row
+            rows = 1 if how == "one long text" else LONG_TEXTS
+            texts = pa.DictionaryArray.from_arrays(np.zeros(rows, dtype=np.int32), pa.array(["x" * LONG_TEXT]))
+            table = table.take(np.zeros(rows, dtype=np.int64))
+            return how, table.set_column(at, table.schema.field(name).with_type(texts.type), texts)
         case "list":
             lists = pa.array([[1]] * len(table), pa.list_(pa.int8()))
             return how, table.set_column(at, table.schema.field(name).with_type(lists.type), lists)

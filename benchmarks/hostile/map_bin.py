@@ -48,8 +48,10 @@ def exported(model: Path) -> bytes:
 def damaged(content: bytes, chance: random.Random) -> tuple[str, bytes]:
     """How a map.bin was damaged, and what came of it, with the size and the checksum of what it then holds."""
     words = len(content) // 8
-    how, data = chance.choice(["count", "count", "count", "number", "number", "bytes"]), bytearray(content)
-    if how == "bytes":
+    how, data = chance.choice(["count"] * 3 + ["number"] * 2 + ["bytes", "beginning"]), bytearray(content)
+    if how == "beginning":
+        data[chance.choice([*range(12), *range(24, START)])] ^= 1 << chance.randrange(8)
+    elif how == "bytes":
         how, data = damaged_bytes(content[START:], chance)[0], bytearray(content[:START])
         data += damaged_bytes(content[START:], chance)[1]
     elif how == "number":

@@ -1,92 +1,200 @@
-"""Damaged maps, their digests made right again: loaded, asked, now and then asked for a motion."""
+"""Damaged maps, their digests made right again: loaded, asked, exported, and planned with."""
 
 from __future__ import annotations
 
 import json
 import random
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+import casadi  # noqa: F401  # once, and not in each process that plans
 import numpy as np
-import onnx
-from onnx import helper, numpy_helper
-from safetensors.numpy import load, save
 
-from benchmarks.hostile.damage import damaged_bytes, damaged_data
+from benchmarks.hostile import fields, folders, graphs, tensors
+from benchmarks.hostile.damage import Damage, damaged_bytes
+from benchmarks.hostile.map_bin import exported
+from benchmarks.hostile.remade import remade
 from benchmarks.hostile.sandbox import Unsound
-from gaitflow.core.errors import ArtifactError
+from gaitflow.core.errors import ArtifactError, OutOfDomain
+from gaitflow.export.graph import CannotExport
 from gaitflow.runtime import GaitMap
-from gaitflow.runtime.files import ATLAS, CLASSIFIER, CONTENT, MANIFEST, PROBLEM_CHECK, WARM_STARTS, entry_of
-from gaitflow.runtime.manifest import SELF_DIGEST
+from gaitflow.runtime.files import ATLAS, CLASSIFIER, MANIFEST, PROBLEM_CHECK, WARM_STARTS, entry_of
+from gaitflow.runtime.manifest import FORMAT, SELF_DIGEST
+from gaitflow.runtime.plan import Plan
 from gaitflow.runtime.tensors import WarmStart
 
 REFUSALS = (ArtifactError,)
-PLAN_EVERY = 25  # a motion takes as long as a hundred answers
 PLACES = (0.0, 0.1, 0.23, 0.37, 0.5, 0.66, 0.82)  # parts of the way along all axes
-ODD_NUMBERS = (1e308, -1e308, 1e30, float("nan"), float("inf"), -float("inf"), -1.0, 0.0, 5e-324)
+GRAPHS = 80  # cases a map
+REMADE = 20  # cases a map whose problem is another one, and proved to be
+PLANNED = (0.23, 0.5, 0.82)
+FREE = ("metrics", "code")  # of a manifest, whose fields no reader knows
+TENSORS = (WARM_STARTS, ATLAS, PROBLEM_CHECK)
 
 
-def damage(folder: Path, outside: Path, chance: random.Random) -> str:
-    """Damage the map in a folder and make its digests right again; what was done."""
-    manifest = json.loads((folder / MANIFEST).read_bytes())
-    what = chance.choice(["manifest", "manifest", "bytes", "tensors", "tensors", "graph", "graph", "link"])
-    if what == "manifest":
-        part = chance.choice(["scenario", "scenario", "all"])
-        how, changed = damaged_data(manifest[part] if part == "scenario" else manifest, chance)
-        manifest = manifest | {part: changed} if part == "scenario" else changed
-        what = f"manifest {part} {how}"
-    elif what == "link":
-        name = chance.choice(CONTENT)
-        (outside / name).write_bytes((folder / name).read_bytes())
-        (folder / name).unlink()
-        (folder / name).symlink_to(outside / name)
-    else:
-        names = {"bytes": CONTENT, "tensors": (WARM_STARTS, ATLAS, PROBLEM_CHECK), "graph": (CLASSIFIER,)}[what]
-        name = chance.choice(names)
-        content = (folder / name).read_bytes()
-        if what == "bytes":
-            how, content = damaged_bytes(content, chance)
-        elif what == "tensors":
-            how, content = _damaged_tensors(content, chance)
-        else:
-            how, content = _damaged_graph(content, outside, chance)
-        (folder / name).write_bytes(content)
-        manifest["files"][name] = asdict(entry_of(content))
-        what = f"{name} {what} {how}"
-    (folder / MANIFEST).write_bytes(_encoded(manifest))
-    return what
+def damages(sounds: Sequence[Path]) -> Iterator[tuple[int, Damage]]:
+    """The number of a sound map with what to do to a copy of it: every field in every way, and much at random."""
+    known: set[tuple[str, str]] = set()
+    for number, folder in enumerate(sounds):
+        found = [*_of_manifest(folder), *(each for name in TENSORS for each in _of_header(folder, name))]
+        yield from ((number, each) for each in found if (each.what, each.place) not in known)
+        known |= {(each.what, each.place) for each in found}
+        yield from [(number, Damage(f"{CLASSIFIER} graph", "", _damage_graph))] * GRAPHS
+        if _dimension(folder) == 3:  # a motion in space takes as long as ten in the plane
+            continue
+        for what, (times, do) in _AT_RANDOM.items():
+            yield from [(number, Damage(what, "", do))] * times
+        if (folder / PROBLEM_CHECK).exists():  # older maps have their problem as code
+            yield from [(number, Damage("numbers of the problem", "", _damage_meaning))] * REMADE
 
 
-def ask(folder: Path, number: int) -> Any:
-    """What the map says of a few tasks. Raises ArtifactError, Unsound."""
-    gait_map, said = GaitMap.load(folder), []
+def ask(folder: Path) -> Any:
+    """What the map says of a few tasks, in all ways that it may be asked. Raises ArtifactError, Unsound."""
+    gait_map = GaitMap.load(folder)
     axes = gait_map.manifest.domain.axes
-    for part in PLACES:
-        task: dict[str, Any] = {axis: values[0] + part * (values[-1] - values[0]) for axis, values in axes.items()}
-        choice = gait_map.select(**task)
-        start = None if choice.gait is None else choice.warm_start
-        if start is not None:
-            _check(start)
-            if not 0 <= choice.probability <= 1.001 or choice.gait not in [gait.name for gait in gait_map.gaits]:
-                raise Unsound(f"{choice.gait} with the probability {choice.probability}")
-        length = None if start is None else float(np.abs(start.primal).sum())
-        said.append([choice.gait, choice.pattern, choice.in_domain, choice.probability, length])
+    tasks = [{axis: each[0] + part * (each[-1] - each[0]) for axis, each in axes.items()} for part in PLACES]
+    said: list[Any] = [_selected(gait_map, task) for task in tasks]
+    many = gait_map.select_many(**{axis: np.array([task[axis] for task in tasks]) for axis in axes})
+    if not np.isfinite(many.probability).all() or list(many.gaits) != [each[0] for each in said]:
+        raise Unsound("the tasks together have other answers than one by one")
     for gait in gait_map.gaits:
         _check(gait_map.mean_start(gait.name, 0.6))
-    if number % PLAN_EVERY == 0:
-        middle: dict[str, Any] = gait_map.manifest.domain.middle
-        plan = gait_map.plan(**middle)
-        if plan.feasible and not np.isfinite(plan.cost):
-            raise Unsound(f"a feasible plan of the cost {plan.cost}")
-    return said
+    if gait_map.manifest.format < FORMAT:
+        return said  # it plans by code that nobody trusts
+    try:
+        said.append(len(exported(folder)))
+    except CannotExport as error:
+        said.append(str(error))
+    return [*said, *(_planned(gait_map, task) for part, task in zip(PLACES, tasks, strict=True) if part in PLANNED)]
+
+
+def _selected(gait_map: GaitMap, task: dict[str, Any]) -> list[Any]:
+    choice = gait_map.select(**task)
+    start = None if choice.gait is None else choice.warm_start
+    if start is not None:
+        _check(start)
+        if not 0 <= choice.probability <= 1.001 or choice.gait not in [gait.name for gait in gait_map.gaits]:
+            raise Unsound(f"{choice.gait} with the probability {choice.probability}")
+    length = None if start is None else float(np.abs(start.primal).sum())
+    return [choice.gait, choice.pattern, choice.in_domain, choice.probability, length]
+
+
+def _planned(gait_map: GaitMap, task: dict[str, Any]) -> list[Any]:
+    try:
+        plan = gait_map.plan(**task)
+    except OutOfDomain:
+        return ["out of the domain"]
+    if plan.feasible and not _finite(plan):
+        raise Unsound(f"a plan of the cost {plan.cost} is feasible and not finite")
+    return [plan.gait, plan.pattern, plan.feasible, f"{plan.cost:.4g}"]
+
+
+def _finite(plan: Plan) -> bool:
+    motion = (plan.times, plan.base, plan.feet, plan.forces, plan.foot_velocities, plan.durations)
+    return np.isfinite(plan.cost) and all(bool(np.isfinite(each).all()) for each in motion)
 
 
 def _check(start: WarmStart) -> None:
     vectors = (start.primal, start.multipliers_bounds, start.multipliers_rows, start.base, start.forces)
     if not all(np.isfinite(each).all() for each in vectors):
         raise Unsound(f"the start of {start.gait} is not finite")
+
+
+def _of_manifest(folder: Path) -> Iterator[Damage]:
+    data = json.loads((folder / MANIFEST).read_bytes())
+    for path in fields.fields_of(data):
+        if path[0] == SELF_DIGEST or (path[0] in FREE and len(path) > 1):
+            continue
+        for oddity in fields.oddities_of(data, path):
+            yield Damage(f"{MANIFEST} {oddity}", ".".join(map(str, path)), partial(_damage_manifest, path, oddity))
+
+
+def _of_header(folder: Path, name: str) -> Iterator[Damage]:
+    if (folder / name).exists():
+        for path, oddity in tensors.header_fields((folder / name).read_bytes()):
+            place = ".".join([tensors.kind_of(str(path[0])), *map(str, path[1:])])
+            yield Damage(f"{name} header {oddity}", place, partial(_damage_header, name, path, oddity))
+
+
+def _damage_manifest(path: fields.Path, oddity: str, folder: Path, outside: Path, chance: random.Random) -> str:
+    data = json.loads((folder / MANIFEST).read_bytes())
+    (folder / MANIFEST).write_bytes(_encoded(fields.damaged_field(data, path, oddity)))
+    return ""
+
+
+def _damage_header(
+    name: str, path: fields.Path, oddity: str, folder: Path, outside: Path, chance: random.Random
+) -> str:
+    _replace(folder, {name: tensors.with_header((folder / name).read_bytes(), path, oddity)})
+    return ""
+
+
+def _damage_tensors(folder: Path, outside: Path, chance: random.Random) -> str:
+    name = chance.choice([each for each in TENSORS if (folder / each).exists()])
+    how, content = tensors.damaged((folder / name).read_bytes(), chance)
+    _replace(folder, {name: content})
+    return f"{name} {how}"
+
+
+def _damage_graph(folder: Path, outside: Path, chance: random.Random) -> str:
+    how, content = graphs.damaged((folder / CLASSIFIER).read_bytes(), outside, chance)
+    _replace(folder, {CLASSIFIER: content})
+    return how
+
+
+def _damage_bytes(folder: Path, outside: Path, chance: random.Random) -> str:
+    """Anywhere, or in the first bytes, where files say what they are."""
+    name = chance.choice([path.name for path in sorted(folder.iterdir()) if path.name != MANIFEST])
+    content, head = (folder / name).read_bytes(), chance.choice([64, 4096, 1 << 30])
+    how, damaged = damaged_bytes(content[:head], chance)
+    _replace(folder, {name: damaged + content[head:]})
+    return f"{name} {how}"
+
+
+def _damage_folder(folder: Path, outside: Path, chance: random.Random) -> str:
+    files = sorted(folder.iterdir())
+    how = folders.damaged(chance.choice(files), files, outside, chance)
+    kept = [path for path in files if path.is_file() and not path.is_symlink() and path.stat().st_size < 1 << 30]
+    if chance.random() < 0.7 and folder / MANIFEST in kept:
+        try:
+            _replace(folder, {path.name: path.read_bytes() for path in kept if path.name != MANIFEST})
+        except ValueError:  # it is the manifest that was damaged
+            return how
+    return how
+
+
+def _damage_meaning(folder: Path, outside: Path, chance: random.Random) -> str:
+    manifest = json.loads((folder / MANIFEST).read_bytes())
+    changed, check = remade(manifest, chance)
+    (folder / MANIFEST).write_bytes(_encoded(changed))
+    _replace(folder, {PROBLEM_CHECK: check})
+    return ""
+
+
+_AT_RANDOM: dict[str, tuple[int, Callable[[Path, Path, random.Random], str]]] = {
+    "tensors": (70, _damage_tensors),
+    "bytes": (50, _damage_bytes),
+    "file": (40, _damage_folder),
+}
+
+
+def _dimension(folder: Path) -> int:
+    robot = json.loads((folder / MANIFEST).read_bytes())["scenario"]["robot"]
+    return int(robot["dimension"])
+
+
+def _replace(folder: Path, contents: dict[str, bytes]) -> None:
+    """Write files, and make their entries in the manifest right again."""
+    manifest = json.loads((folder / MANIFEST).read_bytes())
+    for name, content in contents.items():
+        (folder / name).write_bytes(content)
+        if name in manifest["files"]:
+            manifest["files"][name] = asdict(entry_of(content))
+    (folder / MANIFEST).write_bytes(_encoded(manifest))
 
 
 def _encoded(manifest: Any) -> bytes:
@@ -96,76 +204,3 @@ def _encoded(manifest: Any) -> bytes:
     rest = {key: value for key, value in manifest.items() if key != SELF_DIGEST}
     text = (json.dumps(rest, sort_keys=True, indent=1) + "\n").encode()
     return (json.dumps(rest | {SELF_DIGEST: sha256(text).hexdigest()}, sort_keys=True, indent=1) + "\n").encode()
-
-
-def _damaged_tensors(content: bytes, chance: random.Random) -> tuple[str, bytes]:
-    tensors = {name: np.array(value) for name, value in load(content).items()}
-    kind = chance.choice(sorted({name.rpartition(".")[2] for name in tensors}))  # of a sheet: "costs", "modes", ...
-    alike = [name for name in sorted(tensors) if name.rpartition(".")[2] == kind]
-    name, odd, everywhere = chance.choice(alike), chance.choice(ODD_NUMBERS), chance.random() < 0.5
-    how, value = chance.choice(["number", "number", "number", "type", "shape", "missing", "extra"]), tensors[name]
-    match how:
-        case "number":
-            with np.errstate(all="ignore"):
-                for each in alike if everywhere else [name]:
-                    flat = tensors[each].reshape(-1)
-                    flat[slice(None) if everywhere else chance.randrange(flat.size)] = np.array(odd).astype(flat.dtype)
-        case "type":
-            with np.errstate(all="ignore"):
-                tensors[name] = value.astype(chance.choice([np.float32, np.float64, np.int32, np.uint8, np.float16]))
-        case "shape":
-            tensors[name] = chance.choice([value.ravel(), value[:0], value[None], np.concatenate([value, value])])
-        case "missing":
-            del tensors[name]
-        case _:
-            tensors[chance.choice(["extra", f"{name}.x"])] = value
-    return how, save({key: np.ascontiguousarray(each) for key, each in tensors.items()})
-
-
-def _damaged_graph(content: bytes, outside: Path, chance: random.Random) -> tuple[str, bytes]:
-    model = onnx.load_model_from_string(content)
-    graph = model.graph
-    how = chance.choice(
-        ["operator", "attribute", "constant", "constant", "input", "missing", "loop", "grow", "external"]
-    )
-    node = chance.choice(graph.node)
-    match how:
-        case "operator":
-            node.op_type = chance.choice(["Loop", "If", "Sqrt", "Relu", "Softmax", "Log", "Einsum", "Gemm", "TopK"])
-        case "attribute" if node.attribute:
-            attribute = chance.choice(node.attribute)
-            attribute.i, attribute.f = chance.choice([-1, 0, 2**40]), chance.choice(ODD_NUMBERS[:4])
-            for numbers in (attribute.ints, attribute.floats):
-                if numbers:
-                    numbers[chance.randrange(len(numbers))] = chance.choice([-1, 0, 1, 10**9])
-        case "constant" if graph.initializer:
-            chosen = chance.choice(graph.initializer)
-            value = np.array(numpy_helper.to_array(chosen))
-            if value.dtype.kind == "f":
-                with np.errstate(all="ignore"):
-                    value = chance.choice(
-                        [value * np.float32(1e30), value * np.float32("nan"), value.ravel()[:1], -value]
-                    )
-            chosen.CopyFrom(numpy_helper.from_array(np.ascontiguousarray(value), chosen.name))
-        case "input" if node.input:
-            others = [*node.output, *(each.name for each in graph.input)]
-            node.input[chance.randrange(len(node.input))] = chance.choice(others)
-        case "missing":
-            graph.node.remove(node)
-        case "grow":
-            last, first = graph.node[-1], graph.node[-1].input[0]
-            for i in range(chance.choice([1, 30])):
-                graph.node.insert(len(graph.node) - 1, helper.make_node("Concat", [first, first], [f"g{i}"], axis=1))
-                first = f"g{i}"
-            last.input[0] = first
-        case "external" if graph.initializer:
-            tensor = chance.choice(graph.initializer)
-            (outside / "weights.bin").write_bytes(tensor.raw_data or bytes(64))
-            tensor.ClearField("raw_data")
-            tensor.data_location = onnx.TensorProto.EXTERNAL
-            entry = tensor.external_data.add()
-            entry.key, entry.value = "location", chance.choice([str(outside / "weights.bin"), "../outside/weights.bin"])
-        case _:
-            body = helper.make_graph([helper.make_node("Identity", ["go"], ["on"])], "b", [], [])
-            graph.node.insert(0, helper.make_node("Loop", ["", ""], ["never"], body=body))
-    return how, model.SerializeToString()

@@ -18,8 +18,9 @@ Verdict = Literal[
     "same answer", "another answer", "refused", "unsound", "traceback", "memory", "crash", "hang", "outside"
 ]  # fmt: skip
 GOOD: tuple[Verdict, ...] = ("same answer", "another answer", "refused")
-CPU_S, WALL_S = 20, 240  # a core may be shared with others
+CPU_S, WALL_S = 20, 900  # a core may be shared with others
 MEMORY = 4 << 30  # bytes of address space beyond what the process has when it forks
+RESIDENT = 2 << 30  # bytes of memory likewise
 LONGEST_LINE = 1000
 MOST_LINES = 21  # of an error that has one a fault
 
@@ -42,13 +43,21 @@ class Outcome:
         return self
 
 
-def ask(question: Callable[[], Any], refusals: tuple[type[Exception], ...], cpu_s: int = CPU_S) -> Outcome:
-    """What a question, whose answer is JSON data, comes to in a process of its own; `refusals` are clear errors."""
+def ask(
+    question: Callable[[], Any],
+    refusals: tuple[type[Exception], ...],
+    cpu_s: int = CPU_S,
+    within: Path | None = None,
+) -> Outcome:
+    """What a question, whose answer is JSON data, comes to in a process of its own; `refusals` are clear errors.
+
+    The process runs in the folder `within`, where a relative path that somebody made up would lead to.
+    """
     reader, writer = os.pipe()
     child = os.fork()
     if child == 0:
         os.close(reader)
-        _answer(question, refusals, writer, cpu_s)
+        _answer(question, refusals, writer, cpu_s, within)
     os.close(writer)
     told, hung = _read(reader, child)
     _, status = os.waitpid(child, 0)
@@ -60,11 +69,19 @@ def ask(question: Callable[[], Any], refusals: tuple[type[Exception], ...], cpu_
     return Outcome(*json.loads(told))
 
 
-def _answer(question: Callable[[], Any], refusals: tuple[type[Exception], ...], writer: int, cpu_s: int) -> None:
+def _answer(
+    question: Callable[[], Any],
+    refusals: tuple[type[Exception], ...],
+    writer: int,
+    cpu_s: int,
+    within: Path | None,
+) -> None:
     """Never returns."""
     verdict: Verdict
     try:
         _limit(cpu_s)
+        os.chdir(within or ".")
+        before = _peak()
         try:
             verdict, told = "same answer", question()
         except Unsound as error:
@@ -72,17 +89,29 @@ def _answer(question: Callable[[], Any], refusals: tuple[type[Exception], ...], 
         except refusals as error:
             verdict, told = "refused", str(error)
             lines = told.splitlines()
-            if not lines or len(lines) > MOST_LINES or max(map(len, lines)) > LONGEST_LINE:
+            if not 0 < len(lines) <= MOST_LINES or not all(len(line) <= LONGEST_LINE for line in lines) or _odd(told):
                 verdict, told = "unsound", f"no clear line: {told[:300]!r}"
         except MemoryError:
             verdict, told = "memory", "MemoryError"
         except BaseException as error:
             verdict, told = "traceback", f"{type(error).__name__}: {str(error)[:200]}"
+        if (grown := _peak() - before) > RESIDENT:
+            verdict, told = "memory", f"{grown} bytes"
         with open(writer, "w", encoding="utf-8") as pipe:
             json.dump([verdict, told], pipe)
     except BaseException:
         os._exit(70)
     os._exit(0)
+
+
+def _odd(told: str) -> bool:
+    """Whether a text would do more in a terminal than be read."""
+    return not all(letter.isprintable() or letter == "\n" for letter in told)
+
+
+def _peak() -> int:
+    """The most memory [bytes] that this process has had."""
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
 def _limit(cpu_s: int) -> None:
