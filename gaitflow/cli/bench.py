@@ -60,7 +60,7 @@ def bench(
     ranking    the gaits of each task by cost and what they ask of the robot (after `gaitflow solve`)
     certificate  exhaustive search of some tasks, compared with their labels (after `gaitflow label`)
     faults     kill -9 of workers and runs: is the dataset the same?
-    hostile    thousands of damaged maps, configurations, datasets, map.bin (or --tasks of each; needs g++)
+    hostile    thousands of damaged maps, configurations, datasets, URDFs, map.bin (or --tasks of each; needs g++)
     store      planning, resuming, checking and packing 10^3 to 10^5 units (or --tasks)
     overhead   what handing out a unit costs, and start-up to the first solve
     scale      one driver with up to 400 workers that sleep: units a second, and what bounds them
