@@ -12,7 +12,7 @@ UNPRINTABLE = "a\n\x1b[31m\u202e"
 
 
 def _other_length(value: Any, by: int) -> Any:
-    if not isinstance(value, list | str) or not value:
+    if type(value) not in (list, str) or not value:
         return value
     return value[:-1] if by < 0 else value + value[-1:]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import onnx
@@ -124,9 +125,8 @@ def _shapes(model: onnx.ModelProto, outside: Path, chance: random.Random) -> Non
     graph = model.graph
     name = chance.choice([value for node in graph.node for value in node.output if value] or ["x"])
     kind = chance.choice([TensorProto.FLOAT, TensorProto.DOUBLE, TensorProto.INT64, TensorProto.STRING])
-    told = helper.make_tensor_value_info(
-        name, kind, chance.choice([[], [0], [1, 1], [LARGE, LARGE], ["n", LARGE], None])
-    )
+    shapes: list[Any] = [[], [0], [1, 1], [LARGE, LARGE], ["n", LARGE], None]
+    told = helper.make_tensor_value_info(name, kind, chance.choice(shapes))
     match chance.choice(["input", "output", "value", "more inputs", "no output"]):
         case "input":
             graph.input[0].type.CopyFrom(told.type)

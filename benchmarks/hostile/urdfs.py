@@ -12,14 +12,15 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
 import numpy as np
-import pinocchio  # noqa: F401  # once, and not in each process that imports
 
 from benchmarks.hostile.damage import Damage, damaged_bytes
 from benchmarks.hostile.sandbox import Unsound
 from benchmarks.hostile.walker import FEET, srdf, urdf
 from gaitflow.config.file import ConfigError
 from gaitflow.config.robot import Robot
+from gaitflow.urdf.description import read_description
 from gaitflow.urdf.importing import Request, import_robot
+from gaitflow.urdf.mechanism import load_mechanism
 
 REFUSALS = (ConfigError,)
 URDF, SRDF = "walker.urdf", "walker.srdf"
@@ -78,6 +79,7 @@ WHOLE: dict[str, Callable[[str], str]] = {
 def prepare(folder: Path) -> None:
     """A sound URDF and the SRDF beside it."""
     (folder / URDF).write_text(urdf(), encoding="utf-8")
+    load_mechanism(read_description(folder / URDF))  # pinocchio, once, and not in each process that imports
     (folder / SRDF).write_text(srdf(), encoding="utf-8")
 
 
