@@ -46,3 +46,8 @@ def quantity(axis: str, value: float) -> str:
 def values(task: Task | Mapping[str, float], axes: Iterable[str]) -> str:
     """Values on some axes: "v = 0.3 m/s, T = 0.8 s"."""
     return ", ".join(f"{symbol(axis)} = {quantity(axis, task[axis])}" for axis in axes)
+
+
+def values_in_words(task: Task | Mapping[str, float], axes: Iterable[str]) -> str:
+    """Values on some axes, without symbols: "lateral speed = 0.2 m/s, slope = 8°"."""
+    return ", ".join(f"{words(axis)} = {quantity(axis, task[axis])}" for axis in axes)

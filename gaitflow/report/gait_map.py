@@ -14,9 +14,10 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 from matplotlib.typing import MarkerType
 
-from gaitflow.core.task_space import TaskSpace
+from gaitflow.config.axes import Tasks
 from gaitflow.report import axis_text
 from gaitflow.report.map_panel import INK, Panel, Select, draw_regions, draw_tasks
+from gaitflow.report.map_tasks import map_task_words, of_map
 from gaitflow.report.palette import gait_colours, kind_and_contacts
 from gaitflow.report.slices import Slices, slices_of
 from gaitflow.report.winners import by_size
@@ -24,24 +25,25 @@ from gaitflow.report.winners import by_size
 RESOLUTION = 210  # decisions drawn along each axis of a map of one panel; of several, as many in all
 LONG_NAME = 22  # letters
 MAX_NAMED = 12  # gaits with a colour of their own, those that win most tasks
-COLUMNS = 3  # of panels
+COLUMNS = 3  # of panels that are no matrix
 TAIL = "#c4c4c4"
 TITLE_WIDTH, BESIDE_LEGEND = 90, 68  # characters of a line over the whole figure, and beside a legend
 BAND = (-0.5, 0.5)  # heights of a map of one axis
 
 
 def draw_gait_map(
-    labels: pd.DataFrame, gaits: Sequence[str], select: Select | None, title: str, space: TaskSpace
+    labels: pd.DataFrame, gaits: Sequence[str], select: Select | None, title: str, tasks: Tasks
 ) -> Figure:
     """Regions by `select`, whose indices point into `gaits`; tasks by their best gait; a panel a slice of the map.
 
-    Grid tasks are filled circles, ringed where gaits tie; held-out tasks diamonds; tasks without a gait crosses.
-    Without `select` (no classifier was trained) only the tasks are drawn. The legend begins with the gait that wins
-    most tasks; beyond MAX_NAMED gaits the others share one grey. Gaits whose names end with their contacts are
-    numbered, and so are their regions. Raises ValueError when `labels` is empty or `select` answers with an index
-    that is no gait.
+    `tasks` are the scenario's axes. The map's tasks are filled circles, ringed where gaits tie; held-out tasks
+    diamonds; tasks without a gait crosses. Panels over two further axes are a matrix, one axis a row, the other a
+    column. Without `select` (no classifier was trained) only the tasks are drawn. The legend begins with the gait that
+    wins most tasks; beyond MAX_NAMED gaits the others share one grey. Gaits whose names end with their contacts are
+    numbered, and so are their regions. Raises ValueError when `labels` is empty or `select` answers with an index that
+    is no gait.
     """
-    slices = slices_of(labels, space)
+    slices = slices_of(labels, tasks)
     order = by_size(labels, gaits)
     colours = map_colours(order)
     named = [name for name in order if colours[name] != TAIL]
@@ -50,11 +52,11 @@ def draw_gait_map(
     entries = {f"{i}   {name}" if numbered else name: colours[name] for i, name in enumerate(named, start=1)}
     if len(named) < len(order):
         entries[f"{len(order) - len(named)} other gaits"] = TAIL
-    handles = _legend(pd.concat([panel.labels for panel in slices.panels]), entries)
+    handles = _legend(pd.concat([panel.labels for panel in slices.panels]), entries, map_task_words(labels))
     # Names with contacts and diagrams are too long to stand beside the map.
     below = len(slices.panels) > 1 or max(len(str(handle.get_label())) for handle in handles) > LONG_NAME
     figure, panels = _panels(slices, math.ceil(len(handles) / 2) if below else 0)
-    limits = [(labels[axis].min(), labels[axis].max()) if axis else BAND for axis in (slices.x, slices.y)]
+    limits = [slices.limits[axis] if axis else BAND for axis in (slices.x, slices.y)]
     resolution = round(RESOLUTION / math.sqrt(len(panels)))
     for panel in panels:
         if select is not None:
@@ -79,7 +81,9 @@ def map_colours(order: Sequence[str]) -> dict[str, str]:
 
 def _panels(slices: Slices, legend_lines: int) -> tuple[Figure, list[Panel]]:
     """A figure with axes for every slice, without anything in them; the legend has so many lines below."""
-    columns = min(len(slices.panels), COLUMNS)
+    several = [axis for axis, values in slices.further.items() if len(values) > 1]
+    down = several[0] if len(several) == 2 else None  # the axis of a matrix' rows
+    columns = len(slices.further[several[1]]) if down else min(len(slices.panels), COLUMNS)
     rows = math.ceil(len(slices.panels) / columns)
     height = 2.0 if slices.y is None else 5.0 if columns == 1 else 2.6
     figure = Figure(figsize=(8.4, rows * height + 0.21 * legend_lines + 0.3 * (columns > 1)), dpi=150)
@@ -94,10 +98,23 @@ def _panels(slices: Slices, legend_lines: int) -> tuple[Figure, list[Panel]]:
         one = slices.panels[place]
         last = place + columns >= len(slices.panels)
         _label_axes(axes, slices, last, place % columns == 0, columns)
-        if one.at:
+        if down:
+            _head_matrix(axes, one.at, down, place < columns, place % columns == columns - 1)
+        elif one.at:
             axes.set_title(axis_text.values(one.at, one.at), fontsize=9, loc="left")
         panels.append(Panel(axes, slices.x, slices.y, one.labels, one.at, scale))
     return figure, panels
+
+
+def _head_matrix(axes: Axes, at: Mapping[str, float], down: str, top: bool, right: bool) -> None:
+    """The values of a matrix' columns above its first row, those of its rows, on the axis `down`, beside its last."""
+    if top:
+        axes.set_title(axis_text.values_in_words(at, (axis for axis in at if axis != down)), fontsize=9, loc="left")
+    if right:
+        axes.annotate(
+            axis_text.values_in_words(at, [down]), (1.05, 0.5), xycoords="axes fraction", rotation=270, fontsize=9,
+            ha="left", va="center",
+        )  # fmt: skip
 
 
 def _label_axes(axes: Axes, slices: Slices, below: bool, left: bool, columns: int) -> None:
@@ -117,13 +134,13 @@ def _label_axes(axes: Axes, slices: Slices, below: bool, left: bool, columns: in
         axes.spines["left"].set_visible(False)
 
 
-def _legend(labels: pd.DataFrame, entries: Mapping[str, str]) -> list[Patch | Line2D]:
+def _legend(labels: pd.DataFrame, entries: Mapping[str, str], map_task: str) -> list[Patch | Line2D]:
     solved = labels["status"] == "solved"
-    on_grid, ties = labels["split"] == "grid", labels["ties"].map(len) > 1
+    of_the_map, ties = of_map(labels), labels["ties"].map(len) > 1
     kinds: tuple[tuple[str, MarkerType, int, str, bool], ...] = (
-        ("grid task", "o", 7, "white", bool((solved & on_grid).any())),
-        ("held-out task", "D", 5, "white", bool((solved & ~on_grid).any())),
-        ("gaits tie", "o", 12, "none", bool((ties & on_grid).any())),
+        (map_task, "o", 7, "white", bool((solved & of_the_map).any())),
+        ("held-out task", "D", 5, "white", bool((solved & ~of_the_map).any())),
+        ("gaits tie", "o", 12, "none", bool((ties & of_the_map).any())),
         ("no gait found", "x", 7, "none", bool((~solved).any())),
     )
     handles: list[Patch | Line2D] = [Patch(facecolor=colour, label=name) for name, colour in entries.items()]

@@ -81,12 +81,12 @@ function drawMark(task, index) {
   mark.setAttribute("aria-label", described(task));
   mark.dataset.task = index;
   svg(mark, "circle", { r: 12, class: "halo" });
-  if (task.tied && task.grid) svg(mark, "circle", { r: 9.5, class: "tied" });
+  if (task.tied && !task.held_out) svg(mark, "circle", { r: 9.5, class: "tied" });
   const fill = task.between ? "#fff" : task.colour, stroke = task.between ? task.colour : "#222";
   const [size, thickness] = task.between ? [4, 2] : [5, 1];
   const diamond = `M0-${size}L${size} 0L0 ${size}L-${size} 0z`;
   if (!task.found) svg(mark, "path", { d: "M-5-5L5 5M-5 5L5-5", stroke: "#222", "stroke-width": 2 });
-  else if (task.grid) svg(mark, "circle", { r: 6, fill, stroke });
+  else if (!task.held_out) svg(mark, "circle", { r: 6, fill, stroke });
   else svg(mark, "path", { d: diamond, fill, stroke, "stroke-width": thickness });
   return mark;
 }
@@ -141,11 +141,11 @@ function slide() {
     slider.nextElementSibling.textContent = text;
     slider.setAttribute("aria-valuetext", text);
   });
-  if (found < 0) return; // the grid of the map has no task there
   slice = found;
   const { x, y } = data.tasks[chosen], index = nearest(placeOf({ x, y }));
   drawMap();
-  if (index !== null) choose(index);
+  if (index === null) element("pointed").textContent = "No task in this slice.";
+  else choose(index);
 }
 
 map.addEventListener("click", (event) => {

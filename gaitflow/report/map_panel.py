@@ -14,6 +14,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from gaitflow.report.map_tasks import of_map
 from gaitflow.report.palette import lighter
 
 Floats = NDArray[np.float64]
@@ -104,8 +105,10 @@ def _name_region(panel: Panel, x: Floats, y: Floats, inside: Mask, occupied: Mas
     # Of a cell, in sizes of the text.
     size = (panel.scale**2 / cells / TEXT_HEIGHT, panel.scale**2 / cells / (TEXT_WIDTH * len(name)))
     edge = ndimage.distance_transform_edt(np.pad(inside, 1), sampling=size)[1:-1, 1:-1]
-    task = ndimage.distance_transform_edt(~occupied, sampling=size)
-    room = np.minimum(edge, task) + 0.1 * task
+    room = edge
+    if occupied.any():
+        task = ndimage.distance_transform_edt(~occupied, sampling=size)
+        room = np.minimum(edge, task) + 0.1 * task
     row, column = np.unravel_index(int(np.argmax(room)), room.shape)
     if edge[row, column] < 0.5:
         return
@@ -116,17 +119,18 @@ def _name_region(panel: Panel, x: Floats, y: Floats, inside: Mask, occupied: Mas
 
 
 def draw_tasks(panel: Panel, colours: Mapping[str, str]) -> None:
-    """Grid tasks as filled circles, ringed where gaits tie; held-out tasks as diamonds; without a gait as crosses."""
+    """The map's tasks as filled circles, ringed where gaits tie; held-out ones as diamonds; crosses have no gait."""
     labels, scale = panel.labels, panel.scale**2
     solved = labels[labels["status"] == "solved"]
+    of_the_map = of_map(solved)
     common: dict[str, Any] = {"zorder": 3, "clip_on": False}
-    for split, marker, size in (("grid", "o", 46), ("held_out", "D", 20)):
-        tasks = solved[solved["split"] == split]
+    for drawn, marker, size in ((of_the_map, "o", 46), (~of_the_map, "D", 20)):
+        tasks = solved[drawn]
         panel.axes.scatter(
             *panel.places(tasks), s=size * scale, c=[colours[name] for name in tasks["gait"]], marker=marker,
             edgecolors=INK, linewidths=0.6 * panel.scale, **common,
         )  # fmt: skip
-    tied = solved[(solved["ties"].map(len) > 1) & (solved["split"] == "grid")]
+    tied = solved[(solved["ties"].map(len) > 1) & of_the_map]
     missing = labels[labels["status"] != "solved"]
     panel.axes.scatter(*panel.places(tied), s=130 * scale, facecolors="none", edgecolors=INK, **common)
     panel.axes.scatter(*panel.places(missing), s=42 * scale, c=INK, marker="x", linewidths=1.4 * panel.scale, **common)

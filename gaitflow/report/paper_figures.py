@@ -59,8 +59,8 @@ class PublishedMap:
         """The gait map in the manner of Fig. 4 and 7."""
         gaits = [gait.name for gait in self.gait_map.gaits]
         title = self.scenario.description or self.scenario.name
-        space = self.scenario.tasks.space
-        return draw_gait_map(self.labels, gaits, lambda v: self.gait_map.select_many(**v).index, title, space)
+        tasks = self.scenario.tasks
+        return draw_gait_map(self.labels, gaits, lambda v: self.gait_map.select_many(**v).index, title, tasks)
 
     def state_space(self, gaits: Sequence[str]) -> Figure:
         """Trajectories of some gaits in the manner of Fig. 6 and 10."""

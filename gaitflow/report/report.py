@@ -51,7 +51,7 @@ def write_report(
     regions = winners(labels, solutions, space)
     shown = {name: regions[name] for name in by_size(labels)[:MAX_GAITS] if regions[name]}
     colours = gait_colours([*gaits, *regions])
-    figures = {"map": draw_gait_map(labels, gaits, select, scenario.description or scenario.name, space)}
+    figures = {"map": draw_gait_map(labels, gaits, select, scenario.description or scenario.name, scenario.tasks)}
     motions = {}
     if shown:
         figures["gaits"] = draw_gait_diagrams(shown, scenario.robot.leg_names, colours)

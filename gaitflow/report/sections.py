@@ -8,6 +8,7 @@ from typing import Any
 import pandas as pd
 
 from gaitflow.config.scenario import Scenario
+from gaitflow.report.map_tasks import map_task_words, of_map
 from gaitflow.report.page import Picture, Section
 from gaitflow.report.scenario_text import scenario_text
 from gaitflow.report.slices import slices_of
@@ -34,8 +35,8 @@ def highlights(labels: pd.DataFrame, learning: Mapping[str, Any] | None) -> list
     """Pairs of a name and a number; `labels` and `learning` as `write_report` has them."""
     solved = labels[labels["status"] == "solved"]
     pairs = [
-        ("grid tasks", str(int((labels["split"] == "grid").sum()))),
-        ("held-out tasks", str(int((labels["split"] != "grid").sum()))),
+        (f"{map_task_words(labels)}s", str(int(of_map(labels).sum()))),
+        ("held-out tasks", str(int((~of_map(labels)).sum()))),
         ("gaits that win somewhere", str(solved["gait"].nunique())),
         ("tasks without a gait", str(len(labels) - len(solved))),
         ("tasks with ties", str(int((labels["ties"].map(len) > 1).sum()))),
@@ -84,7 +85,7 @@ def sections(
         Section(
             "Gait map",
             told,
-            pictures=pictures("map", caption=f"{chosen} {slices_of(labels, space).remark}".strip()),
+            pictures=pictures("map", caption=f"{chosen} {slices_of(labels, scenario.tasks).remark}".strip()),
         ),
         Section(
             "Gaits",

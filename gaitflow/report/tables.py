@@ -14,6 +14,7 @@ from gaitflow.core.check import FEASIBLE, between_knots, violations
 from gaitflow.core.gaits import Pattern, diagram
 from gaitflow.core.task_space import TaskSpace
 from gaitflow.report import axis_text
+from gaitflow.report.map_tasks import SPLIT_WORDS, map_task_words, of_map
 from gaitflow.report.palette import ordered_gaits
 from gaitflow.report.winners import trajectory_of
 from gaitflow.search.solution import Solution, Status
@@ -27,7 +28,6 @@ QUALITIES = (
 )
 
 
-GAIT_COLUMNS = ("gait", "pattern", "grid tasks", "held-out tasks", "cost", "mean margin", "ties")
 JUDGED_COLUMNS = ("worst cost error", "labels not resolved")
 
 
@@ -69,8 +69,8 @@ def gait_table(labels: pd.DataFrame, leg_names: Sequence[str]) -> Table:
         row = [
             name,
             diagram(Pattern.from_text(won["gait_key"].iloc[0]), leg_names),
-            str(int((won["split"] == "grid").sum())),
-            str(int((won["split"] != "grid").sum())),
+            str(int(of_map(won).sum())),
+            str(int((~of_map(won)).sum())),
             _range(won["cost"].min(), won["cost"].max()),
             percent(float(margins.mean())),
             str(int((won["ties"].map(len) > 1).sum())),
@@ -78,7 +78,8 @@ def gait_table(labels: pd.DataFrame, leg_names: Sequence[str]) -> Table:
         if judged:
             row += [percent(float(won["cost_error"].max())), str(int((~won["resolved"].astype(bool)).sum()))]
         rows.append(tuple(row))
-    return Table((*GAIT_COLUMNS, *(JUDGED_COLUMNS if judged else ())), tuple(rows))
+    columns = ("gait", "pattern", f"{map_task_words(labels)}s", "held-out tasks", "cost", "mean margin", "ties")
+    return Table((*columns, *(JUDGED_COLUMNS if judged else ())), tuple(rows))
 
 
 def _range(low: float, high: float) -> str:
@@ -129,7 +130,7 @@ def _sorted(labels: pd.DataFrame, space: TaskSpace) -> pd.DataFrame:
 
 
 def _task(row: Mapping[Any, Any], space: TaskSpace) -> tuple[str, ...]:
-    return *(f"{row[axis]:.4g}" for axis in space.columns), str(row["split"]).replace("_", "-")
+    return *(f"{row[axis]:.4g}" for axis in space.columns), SPLIT_WORDS[row["split"]]
 
 
 def check_table(scenario: Mapping[str, Any], motions: Iterable[Solution]) -> Table:

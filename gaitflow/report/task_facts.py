@@ -14,6 +14,7 @@ from gaitflow.config.scenario import Scenario
 from gaitflow.core.task_space import TaskSpace
 from gaitflow.dataset.labels import gait_costs
 from gaitflow.report.map_panel import Select
+from gaitflow.report.map_tasks import SPLIT_WORDS
 from gaitflow.report.tables import number, percent, refined
 from gaitflow.search.solution import Solution
 
@@ -31,7 +32,7 @@ def task_facts(
 
 
 def _facts(label: Mapping[Any, Any], judged: bool, chosen: str | None) -> Pairs:
-    told = [("split", str(label["split"]).replace("_", "-"))]
+    told = [("split", SPLIT_WORDS[label["split"]])]
     if label["status"] != "solved":
         return [*told, ("status", str(label["status"]))]
     told += [("cost", number(label["cost"])), ("margin", percent(label["margin"]))]

@@ -160,6 +160,11 @@ def space(scenario: Scenario) -> TaskSpace:
     return scenario.tasks.space
 
 
+@pytest.fixture(scope="session")
+def tasks(scenario: Scenario) -> Tasks:
+    return scenario.tasks
+
+
 def over(scenario: Scenario, **axes: object) -> Scenario:
     """The same with other axes."""
     return scenario.model_copy(update={"tasks": Tasks.from_data({"axes": axes}, "tasks")})
@@ -181,6 +186,44 @@ def sloped_labels(map_of) -> pd.DataFrame:
     ]
     frames.append(pd.DataFrame([label_row(1.0, 0.9, "gallop", "held_out") | {"slope": 1.7}]))
     return pd.concat(frames, ignore_index=True)
+
+
+def turning_gait(speed: float, lateral: float, yaw: float, duration: float) -> str:
+    """The rule of the plane, at a speed that grows with steps to the side and with turning to the left."""
+    return paper_gait(speed * (1 + abs(lateral)) + max(yaw, 0), duration)
+
+
+@pytest.fixture(scope="session")
+def turning(scenario: Scenario) -> Scenario:
+    """The same over four axes, whose tasks choose themselves: 5 values of lateral speed by 4 of yaw rate."""
+    data = scenario.tasks.as_data()["axes"] | {
+        "lateral_speed": {"start": -0.4, "stop": 0.4, "count": 5},
+        "yaw_rate": {"start": -0.6, "stop": 0.6, "count": 4},
+    }
+    return scenario.model_copy(update={"tasks": Tasks.from_data({"axes": data, "sampling": "adaptive"}, "tasks")})
+
+
+@pytest.fixture(scope="session")
+def turning_labels(turning: Scenario) -> pd.DataFrame:
+    """300 tasks anywhere in the box that the map is made from, and 60 held-out ones."""
+    rng = np.random.default_rng(3)
+    rows = []
+    for number in range(360):
+        at = {axis: float(rng.uniform(values.start, values.stop)) for axis, values in turning.tasks.ranges.items()}
+        row = label_row(at["speed"], at["cycle_duration"], turning_gait(*at.values()))
+        rows.append(row | at | {"split": "sampled" if number < 300 else "held_out"})
+    return pd.DataFrame(rows)
+
+
+@pytest.fixture(scope="session")
+def turning_select(gaits: list[str]):
+    """The rule of four axes as a map would answer it."""
+
+    def answer(values: Mapping[str, np.ndarray]) -> np.ndarray:
+        places = zip(*(values[axis] for axis in ("speed", "lateral_speed", "yaw_rate", "cycle_duration")), strict=True)
+        return np.array([gaits.index(turning_gait(*place)) for place in places])
+
+    return answer
 
 
 @pytest.fixture(scope="session")

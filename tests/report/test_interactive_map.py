@@ -19,7 +19,8 @@ def data(scenario, labels, solutions, gaits, select) -> dict:
 def test_every_task_is_there_with_its_gait_and_motion(data, labels) -> None:
     assert len(data["tasks"]) == len(labels)
     for task, row in zip(data["tasks"], labels.to_dict("records"), strict=True):
-        assert (task["x"], task["y"], task["grid"]) == (row["speed"], row["cycle_duration"], row["split"] == "grid")
+        assert (task["x"], task["y"]) == (row["speed"], row["cycle_duration"])
+        assert task["held_out"] == (row["split"] == "held_out")
         assert (task["gait"], task["found"]) == (row["gait"], row["status"] == "solved")
         assert task["tied"] == (len(row["ties"]) > 1)
         if task["found"]:
@@ -33,7 +34,7 @@ def test_every_task_is_there_with_its_gait_and_motion(data, labels) -> None:
 
 def test_it_starts_at_a_grid_task_of_the_gait_that_wins_most(data) -> None:
     first = data["tasks"][data["start"]]
-    assert first["gait"] == "gallop" == data["gaits"][0]["name"] and first["grid"]
+    assert first["gait"] == "gallop" == data["gaits"][0]["name"] and not first["held_out"]
     assert 0.7 < first["x"] < 2.3 and 0.4 < first["y"] < 1.6
 
 
@@ -91,7 +92,7 @@ def test_further_axes_have_sliders_over_all_slices(sloped, sloped_labels, gaits)
     (slider,) = data["sliders"]
     assert slider["label"] == "slope" and len(slider["values"]) == 12 and slider["values"][0] == "-22°"
     assert [one["place"] for one in data["slices"]] == [[i] for i in range(12)]
-    grid = [task for task in data["tasks"] if task["grid"]]
+    grid = [task for task in data["tasks"] if not task["held_out"]]
     assert not any(task["between"] for task in grid) and {task["slice"] for task in grid} == set(range(12))
     (between,) = [task for task in data["tasks"] if task["between"]]
     assert data["sliders"][0]["values"][between["slice"]] == "2°"  # its slope is 1.7 degrees

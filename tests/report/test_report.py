@@ -110,8 +110,8 @@ def test_labels_that_the_mesh_leaves_open_are_listed(tmp_path, scenario, labels,
     assert "Every margin is larger than the errors" in (tmp_path / PAGE).read_text(encoding="utf-8")
 
 
-def test_equal_figures_have_equal_bytes(labels, gaits, space) -> None:
+def test_equal_figures_have_equal_bytes(labels, gaits, tasks) -> None:
     from gaitflow.report.gait_map import draw_gait_map
 
-    one, two = (png_of(draw_gait_map(labels, gaits, None, "a map", space)) for _ in range(2))
+    one, two = (png_of(draw_gait_map(labels, gaits, None, "a map", tasks)) for _ in range(2))
     assert one == two
