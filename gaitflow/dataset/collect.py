@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import json
 from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ import pyarrow as pa
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.task import Task
-from gaitflow.dataset.read import FILE_NAME
+from gaitflow.dataset.read import FILE_NAME, Solutions
 from gaitflow.files import new_file
 from gaitflow.store.parts import DamagedPart, UnitStore
 from gaitflow.store.units import Unit, plan_units
@@ -71,6 +72,11 @@ def collect(
     except DamagedPart as error:
         raise NotComplete(f"{scenario.name}: a part changed while it was collected: {error}") from None
     return target
+
+
+def tasks_as_chosen(solutions: Solutions) -> list[Task]:
+    """The tasks of an adaptive sampling as they were when they were chosen, in the order of the dataset's units."""
+    return sorted(replace(task, split="sampled") for task in solutions.tasks())
 
 
 def _with_splits(rows: pd.DataFrame, units: Sequence[Unit], held_out: Collection[Task]) -> pd.DataFrame:

@@ -10,9 +10,10 @@ import numpy as np
 import pandas as pd
 
 from gaitflow.config.scenario import Scenario
-from gaitflow.core.task import SPLITS, Split, Task
+from gaitflow.core.task import Task
 from gaitflow.dataset.labels import gait_costs
 from gaitflow.dataset.read import Solutions, load_solutions
+from gaitflow.report.map_tasks import of_map
 from gaitflow.search.solution import Solution
 
 
@@ -54,16 +55,16 @@ def scenario_of(solutions: Solutions) -> Scenario:
     return Scenario.from_data(solutions.record["scenario"], "the dataset's scenario")
 
 
-def nearest_task(solutions: Solutions, values: Mapping[str, float], split: Split | None = None) -> Task:
+def nearest_task(solutions: Solutions, values: Mapping[str, float], held_out: bool = True) -> Task:
     """The solved task nearest to these values, each axis scaled to the range that the dataset spans on it.
 
-    Only tasks of one split are looked at when it is given. Raises ValueError for values that are no task of the
+    Held-out tasks are looked at unless `held_out` is false. Raises ValueError for values that are no task of the
     dataset's axes (see `TaskSpace.task`), and when nothing in the dataset is solved.
     """
     space = scenario_of(solutions).tasks.space
     asked = space.task(values)
     frame = solutions.frame()
-    looked_at = (frame["status"] == "solved") & (frame["split"].isin(SPLITS if split is None else [split]))
+    looked_at = (frame["status"] == "solved") & (of_map(frame) | held_out)
     tasks = frame.loc[looked_at, [*space.columns, "split"]].drop_duplicates()
     if tasks.empty:
         raise ValueError("no task of the dataset is solved, so there is no motion to show")

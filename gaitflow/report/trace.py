@@ -12,6 +12,7 @@ import pandas as pd
 from gaitflow.config.file import ConfigError
 from gaitflow.config.scenario import Scenario, digest_of
 from gaitflow.core.task import Task
+from gaitflow.dataset.collect import tasks_as_chosen
 from gaitflow.dataset.labels import gait_costs
 from gaitflow.dataset.read import Solutions
 from gaitflow.report.predicted import Known, known_gaits
@@ -42,7 +43,7 @@ class Answer:
 
 @dataclass(frozen=True)
 class Decision:
-    """What the dataset says at its solved grid task nearest to the one asked for; held-out tasks decide nothing.
+    """What the dataset says at the map's solved task nearest to the one asked for; held-out tasks decide nothing.
 
     `solves` are the rows of the two gaits that cost least there, each as the columns SOLVE, the cheapest gait first;
     `statuses` counts all rows of the task. `unit` is the digest of the unit of work that solved it, None when the
@@ -67,8 +68,8 @@ def answer_of(artifact: Artifact, values: Mapping[str, float]) -> Answer:
 
 
 def decision_of(solutions: Solutions, values: Mapping[str, float]) -> Decision:
-    """What decided at the stored grid task nearest to `values`. Raises ValueError as `nearest_task` does."""
-    scenario, task = scenario_of(solutions), nearest_task(solutions, values, "grid")
+    """What decided at the map's stored task nearest to `values`. Raises ValueError as `nearest_task` does."""
+    scenario, task = scenario_of(solutions), nearest_task(solutions, values, held_out=False)
     frame, axes = solutions.frame(), scenario.tasks.space.columns
     here = [frame[axis] == task[axis] for axis in axes]
     rows = frame[np.logical_and.reduce([*here, frame["split"] == task.split])]
@@ -76,7 +77,7 @@ def decision_of(solutions: Solutions, values: Mapping[str, float]) -> Decision:
     names = dict(zip(costs["gait_key"], costs["gait"], strict=True))
     margin = float(costs["excess"].iloc[1]) if len(costs) > 1 else np.inf
     counts = rows["status"].value_counts().sort_index()
-    unit, made_by = _makers(solutions.record, scenario, task)
+    unit, made_by = _makers(solutions, scenario, task)
     return Decision(
         task=task,
         axes=axes,
@@ -96,13 +97,12 @@ def _solves(rows: pd.DataFrame, names: Mapping[str, str], keys: list[str]) -> li
     return [dict(zip(SOLVE, row, strict=True)) for row in solved[list(SOLVE)].itertuples(index=False, name=None)]
 
 
-def _makers(
-    record: Mapping[str, Any], scenario: Scenario, task: Task
-) -> tuple[str | None, tuple[Mapping[str, Any], ...]]:
+def _makers(solutions: Solutions, scenario: Scenario, task: Task) -> tuple[str | None, tuple[Mapping[str, Any], ...]]:
     """The unit of work of a task, and who made it: all makers of the dataset where it does not say which."""
+    record = solutions.record
     makers, by_unit = tuple(record["made_by"]), record.get("units_made_by")
     try:
-        units = plan_units(scenario)
+        units = plan_units(scenario, None if scenario.tasks.adaptive is None else tasks_as_chosen(solutions))
     except ConfigError:
         return None, makers
     place = next((index for index, unit in enumerate(units) if task in unit.tasks), None)

@@ -11,7 +11,7 @@ from gaitflow.config.scenario import Scenario, digest_of
 from gaitflow.config.tasks import tasks_of
 from gaitflow.dataset import collect as module
 from gaitflow.dataset import load_solutions
-from gaitflow.dataset.collect import NotComplete, collect
+from gaitflow.dataset.collect import NotComplete, collect, tasks_as_chosen
 from gaitflow.search.solution import Solution
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import Unit, plan_units
@@ -68,6 +68,21 @@ def test_a_third_axis_has_a_column_and_orders_the_rows(
     order = frame[["split", "slope", "cycle_duration", "speed", "pattern"]].to_numpy().tolist()
     assert order == sorted(order) and set(frame["slope"][frame["split"] == "grid"]) == {-10.0, 0.0, 10.0}
     assert {row.task for row in solutions} == set(tasks_of(sloped))
+
+
+def test_chosen_tasks_lead_back_to_their_units(store: UnitStore, scenario: Scenario, make_solutions: Make) -> None:
+    data = scenario.as_data()
+    data["tasks"] |= {"held_out": 0, "sampling": {"start": 5}}
+    adaptive = Scenario.from_data(data, "test")
+    chosen = tasks_of(adaptive)
+    file = collect(filled(store, plan_units(adaptive, chosen), make_solutions), adaptive, chosen, set(chosen[:2]))
+    solutions = load_solutions(file)
+    assert [task.split for task in solutions.tasks()] == ["held_out"] * 2 + ["sampled"] * 3
+    units = plan_units(adaptive, tasks_as_chosen(solutions))
+    assert {unit.tasks[0] for unit in units} == set(chosen)
+    digests = [unit.digest for unit in units]
+    assert set(digests) == store.solved() and digest_of(sorted(digests)) == solutions.record["units_digest"]
+    assert [unit.tasks for unit in units] == [(task,) for task in sorted(chosen)]
 
 
 def test_record_holds_the_whole_scenario(
