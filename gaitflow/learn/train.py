@@ -101,26 +101,26 @@ def train(
     known: KnownCosts | None = None,
     tell: Callable[[str], None] = lambda text: None,
 ) -> Training:
-    """Train all methods on the grid tasks that have a label and choose one by RULE; held-out tasks only report.
+    """Train all methods on the map's tasks that have a label and choose one by RULE; held-out tasks only report.
 
     `labels` and `costs` are the frames of `gaitflow.dataset.labels`; the classifiers' inputs are the values on `axes`.
     The winner is then fitted once more, to tasks that an atlas labels as well: they take no part in choosing. `tell`
-    hears what is being done. Equal arguments give equal bytes. Raises CannotTrain when no grid task is feasible, when
+    hears what is being done. Equal arguments give equal bytes. Raises CannotTrain when none of them is feasible, when
     all have one gait (unless `constant`: then the map is that gait), or when no gait has two tasks.
     """
     solved = labels[labels["status"] == "solved"]
     grid, held_out = solved[solved["split"] != "held_out"], solved[solved["split"] == "held_out"]
     if grid.empty:
         raise CannotTrain(
-            f"none of the {int((labels['split'] == 'grid').sum())} tasks of the grid has a feasible gait: there is no "
-            "map to learn; change the grid or the robot"
+            f"none of the {int((labels['split'] != 'held_out').sum())} tasks of the map has a feasible gait: there is "
+            "nothing to learn; change the ranges of its axes or the robot"
         )
     classes = tuple(sorted(grid["label"].unique()))
     if len(classes) == 1:
         if not constant:
             raise CannotTrain(
                 f"all {len(grid)} feasible tasks have the gait {classes[0]!r}: no classifier can be trained; "
-                "widen the grid, or publish the constant map with --constant"
+                "widen the ranges of its axes, or publish the constant map with --constant"
             )
         return _constant_map(classes, axes, grid, held_out, costs)
     tasks = _inputs(grid, axes)

@@ -258,6 +258,7 @@ def report(workspace: Workspace, scenario: Scenario) -> list[Path]:
     import pandas as pd
 
     from gaitflow.dataset import load_solutions
+    from gaitflow.report.certificate import SamplingRecord
     from gaitflow.report.report import write_report
     from gaitflow.runtime import GaitMap
 
@@ -265,6 +266,7 @@ def report(workspace: Workspace, scenario: Scenario) -> list[Path]:
     _need(run.labels, f"gaitflow label {scenario.name}")
     solutions = load_solutions(run.solutions)
     gait_map = GaitMap.load(read_json(run.published)["model"]) if run.published.exists() else None
+    sampled = None if scenario.tasks.adaptive is None else read_json(run.sampled_record)
     return write_report(
         run.report,
         scenario,
@@ -274,6 +276,7 @@ def report(workspace: Workspace, scenario: Scenario) -> list[Path]:
         (lambda values: gait_map.select_many(**values).index) if gait_map else None,
         read_json(run.learning) if run.learning.exists() else None,
         solutions.record,
+        None if sampled is None else SamplingRecord(sampled["certificate"], sampled["curve"]),
     )
 
 

@@ -67,10 +67,12 @@ def _tasks(manifest: Manifest) -> str:
     domain = manifest.domain
     rows = [f"| {_name(axis)} | {_range(values)} {_unit(axis)} |" for axis, values in domain.axes.items()]
     rows += [f"| {_name(axis)} | {value:g} {_unit(axis)} |" for axis, value in manifest.space.fixed]
+    on_grid = "sampling" not in manifest.scenario["tasks"]
+    chosen = "" if on_grid else "The grid tells the domain; the map was made from tasks chosen anywhere between. "
     return "\n".join([
         "## Tasks", "", "| axis | values |", "| --- | --- |", *rows, "",
-        f"Of the {domain.feasible.size} tasks of the grid {int(domain.feasible.sum())} have a feasible gait. All other "
-        "axes of a task have their defaults.", "",
+        f"Of the {domain.feasible.size} tasks of the grid {int(domain.feasible.sum())} have a feasible gait. "
+        f"{chosen}All other axes of a task have their defaults.", "",
     ])  # fmt: skip
 
 

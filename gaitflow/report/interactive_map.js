@@ -21,7 +21,7 @@ function svg(parent, name, attributes, text = "") {
 function frameOf() { // px: the box of the lowest to the highest task, with room for half a mark around it
   const width = map.clientWidth, strip = data.axes.length === 1;
   const height = strip ? 120 : Math.min(Math.max(0.78 * width, 260), 480);
-  return { width, height, left: strip ? 24 : 62, right: width - 16, top: 16, bottom: height - 58 };
+  return { width, height, left: strip ? 24 : 70, right: width - 16, top: 16, bottom: height - 58 };
 }
 
 function placeOf(task) { // px of its middle

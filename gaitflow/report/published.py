@@ -9,6 +9,7 @@ import pandas as pd
 from gaitflow.config.scenario import Scenario
 from gaitflow.dataset.read import load_solutions
 from gaitflow.publishing.dataset_facts import LABELS
+from gaitflow.report.certificate import SamplingRecord
 from gaitflow.report.map_answers import map_answers
 from gaitflow.report.report import write_report
 from gaitflow.report.stored import scenario_of
@@ -44,4 +45,5 @@ def write_map_report(folder: Path, model: Path, dataset: Path | None) -> list[Pa
         lambda values: gait_map.select_many(**values).index,
         learning if "competitors" in learning else None,
         None if solutions is None else solutions.record,
+        SamplingRecord(learning["certificate"], learning["sampling"]) if "sampling" in learning else None,
     )

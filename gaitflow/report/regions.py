@@ -39,7 +39,9 @@ class GaitGrid:
         """The grid tasks of a labels frame. Raises ValueError without one, and for several slices."""
         grid = labels[labels["split"] == "grid"]
         if grid.empty:
-            raise ValueError("the labels have no task of the split 'grid'; solve the scenario's task grid first")
+            raise ValueError(
+                "the labels have no task of the split 'grid': only a map whose tasks are a grid has regions"
+            )
         rounded = grid.assign(speed=grid["speed"].round(9), cycle_duration=grid["cycle_duration"].round(9))
         if rounded.duplicated(["speed", "cycle_duration"]).any():
             raise ValueError("the labels have several tasks at one speed and cycle duration; pass one slice of the map")

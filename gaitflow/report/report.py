@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.files import atomic_write
+from gaitflow.report.certificate import SamplingRecord
 from gaitflow.report.gait_diagrams import draw_gait_diagrams
 from gaitflow.report.gait_map import draw_gait_map
 from gaitflow.report.interactive_map import interactive_map
@@ -39,13 +40,15 @@ def write_report(
     select: Select | None,
     learning: Mapping[str, Any] | None,
     record: Mapping[str, Any] | None,
+    sampling: SamplingRecord | None = None,
 ) -> list[Path]:
     """Write map.png, gaits.png, state_space.png, a motion-<gait>.png a gait and index.html; return their paths.
 
     `labels` is the labels frame (`gaitflow.dataset.labels`), `select` the map's decision as an index into `gaits`, from
     the values of each axis with a range, `learning` the data of `Training.as_data()`, `record` the dataset's
-    provenance. `select` and `learning` are None when no classifier was trained, `record` where no dataset is at hand.
-    Raises ValueError when `labels` is empty, WriteError when the disk refuses.
+    provenance, `sampling` how the tasks were chosen. `select` and `learning` are None when no classifier was trained,
+    `record` where no dataset is at hand, `sampling` where the tasks are a grid or nothing is known of it. Raises
+    ValueError when `labels` is empty, WriteError when the disk refuses.
     """
     space = scenario.tasks.space
     regions = winners(labels, solutions, space)
@@ -64,8 +67,8 @@ def write_report(
     html = render_page(
         scenario.name,
         scenario.description,
-        highlights(labels, learning),
-        sections(scenario, labels, solutions, regions, learning, record, images, tuple(motions)),
+        highlights(labels, learning, sampling),
+        sections(scenario, labels, solutions, regions, learning, record, sampling, images, tuple(motions)),
         interactive_map(labels, solutions, scenario, gaits, select),
     )
     files = {f"{name}.png": image for name, image in images.items()} | {PAGE: html.encode("utf-8")}

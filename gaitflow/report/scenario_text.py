@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from gaitflow.config.axes import Tasks
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.task import AXES
 from gaitflow.report import axis_text
@@ -13,11 +14,6 @@ def scenario_text(scenario: Scenario) -> tuple[str, ...]:
     robot, settings, tasks = scenario.robot, scenario.transcription, scenario.tasks
     weights = {name.replace("_", " "): weight for name, weight in scenario.objective.as_data().items() if weight}
     stances = "any number of stances" if scenario.stances_per_leg is None else "one stance"
-    ranges = [
-        f"{values.count} values of {axis_text.words(axis)} from {values.start:g} to "
-        f"{axis_text.quantity(axis, values.stop)}"
-        for axis, values in tasks.ranges.items()
-    ]
     # The ground is always told, of the other axes only what is not as usual.
     fixed = [
         f"{axis_text.words(axis)} {axis_text.quantity(axis, value)}"
@@ -31,10 +27,22 @@ def scenario_text(scenario: Scenario) -> tuple[str, ...]:
         f"{settings.phases} phases of {settings.knots_per_phase} knots, integrated by "
         f"{settings.integrator.replace('_', '-')} with {settings.forces} forces, "
         f"each phase at least {percent(settings.min_phase_fraction)} of the cycle; {stances} a leg and cycle.",
-        f"Tasks: {' by '.join(ranges)}, and {tasks.held_out} held-out tasks between. "
+        f"Tasks: {_tasks_text(tasks)}. "
         + (f"The same for all: {', '.join(fixed)}. " if fixed else "")
         + f"Search: {scenario.strategy.name}.",
     )
+
+
+def _tasks_text(tasks: Tasks) -> str:
+    ranges = {
+        axis: f"{axis_text.words(axis)} from {values.start:g} to {axis_text.quantity(axis, values.stop)}"
+        for axis, values in tasks.ranges.items()
+    }
+    if tasks.adaptive is None:
+        grid = " by ".join(f"{values.count} values of {ranges[axis]}" for axis, values in tasks.ranges.items())
+        return f"{grid}, and {tasks.held_out} held-out tasks between"
+    grid = " by ".join(str(values.count) for values in tasks.ranges.values())
+    return f"chosen by the map, anywhere with {', '.join(ranges.values())}; its domain is told by a grid of {grid}"
 
 
 def _fixed(scenario: Scenario) -> dict[str, float]:

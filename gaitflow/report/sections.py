@@ -8,6 +8,7 @@ from typing import Any
 import pandas as pd
 
 from gaitflow.config.scenario import Scenario
+from gaitflow.report.certificate import SamplingRecord, certificate_in_words, rounds_table
 from gaitflow.report.map_tasks import map_task_words, of_map
 from gaitflow.report.page import Picture, Section
 from gaitflow.report.scenario_text import scenario_text
@@ -31,8 +32,10 @@ from gaitflow.search.solution import Solution
 ALONE = "Drawn from the map alone: tasks, costs and margins are what it predicts on its grid."
 
 
-def highlights(labels: pd.DataFrame, learning: Mapping[str, Any] | None) -> list[tuple[str, str]]:
-    """Pairs of a name and a number; `labels` and `learning` as `write_report` has them."""
+def highlights(
+    labels: pd.DataFrame, learning: Mapping[str, Any] | None, sampling: SamplingRecord | None
+) -> list[tuple[str, str]]:
+    """Pairs of a name and a number; the arguments as `write_report` has them."""
     solved = labels[labels["status"] == "solved"]
     pairs = [
         (f"{map_task_words(labels)}s", str(int(of_map(labels).sum()))),
@@ -47,6 +50,8 @@ def highlights(labels: pd.DataFrame, learning: Mapping[str, Any] | None) -> list
         quality = next(one for one in learning["competitors"] if one["method"] == learning["method"])
         judged = quality["held_out"] if quality["held_out"]["tasks"] else quality["cross_validation"]
         pairs += [("classifier published", learning["method"]), ("mean cost regret", percent(judged["regret_mean"]))]
+    if sampling is not None and sampling.certificate is not None:
+        pairs += [("picks too dear, at most", percent(sampling.certificate["dearer_bound"]))]
     return pairs
 
 
@@ -57,6 +62,7 @@ def sections(
     regions: Mapping[str, Sequence[Solution]],
     learning: Mapping[str, Any] | None,
     record: Mapping[str, Any] | None,
+    sampling: SamplingRecord | None,
     images: Mapping[str, bytes],
     motions: Sequence[str],
 ) -> list[Section]:
@@ -87,6 +93,7 @@ def sections(
             told,
             pictures=pictures("map", caption=f"{chosen} {slices_of(labels, scenario.tasks).remark}".strip()),
         ),
+        *_certificate(scenario, sampling),
         Section(
             "Gaits",
             ("The margin is how much dearer the next best gait is.",),
@@ -145,6 +152,13 @@ def sections(
         Section("Solves", table=effort_table(solutions)),
         Section("Provenance", table=provenance_table(record)),
     ]
+
+
+def _certificate(scenario: Scenario, sampling: SamplingRecord | None) -> tuple[Section, ...]:
+    goal = scenario.tasks.adaptive
+    if sampling is None or goal is None:
+        return ()
+    return (Section("Certificate", certificate_in_words(sampling, goal), table=rounds_table(sampling)),)
 
 
 def _on_resolution(labels: pd.DataFrame, unresolved: Table) -> str:

@@ -106,8 +106,9 @@ def test_a_constant_map_is_published_when_asked(synthetic_map: Frames, learning:
 def test_a_map_without_a_feasible_task_is_refused(synthetic_map: Frames, learning: Learning, constant: bool) -> None:
     labels, costs = synthetic_map
     infeasible = labels[labels["status"] == "infeasible"]
-    with pytest.raises(CannotTrain, match=r"none of the \d+ tasks of the grid has a feasible gait"):
-        train(infeasible, costs, AXES, learning, constant=constant)
+    for split in ("grid", "sampled"):
+        with pytest.raises(CannotTrain, match=rf"none of the {len(infeasible)} tasks of the map has a feasible gait"):
+            train(infeasible.assign(split=split), costs, AXES, learning, constant=constant)
 
 
 def test_a_gait_of_a_single_task_is_learnt_and_said(synthetic_map: Frames, learning: Learning) -> None:

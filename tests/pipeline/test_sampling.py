@@ -75,7 +75,19 @@ def test_a_map_chooses_its_tasks_until_it_is_certified(tmp_path: Path) -> None:
     assert wrong <= max(certificate["dearer"], 2), "the published map picks what was judged"
     card = (tmp_path / "models" / "adaptive-small" / "1.0.0" / "README.md").read_text()
     assert "## Certificate" in card and f"**{certificate['dearer_bound']:.2%}**" in card
-    assert (run / "report" / "index.html").stat().st_size > 1000
+    html = (run / "report" / "index.html").read_text(encoding="utf-8")
+    assert "<h2>Certificate</h2>" in html and f"<b>{tasks - drawn}</b><span>searched tasks</span>" in html
+
+    traced = json.loads(
+        gaitflow(tmp_path, "trace", "models/adaptive-small", "--speed", "0.9", "--cycle", "0.6", "--json")
+    )
+    searched = labels[(labels["split"] == "sampled") & (labels["status"] == "solved")]
+    places = searched[["speed", "cycle_duration"]].to_numpy()
+    away = np.linalg.norm((places - [0.9, 0.6]) / np.ptp(places, axis=0), axis=1)
+    nearest = searched.iloc[int(away.argmin())]
+    assert traced["decision"]["task"] == {axis: nearest[axis] for axis in ("speed", "cycle_duration")}
+    assert traced["decision"]["solves"][0]["gait"] == nearest["gait"]
+    assert list((run / "units").rglob(f"*{traced['decision']['unit']}*")), "the unit that searched it"
 
     asked = json.loads(gaitflow(tmp_path, "certify", "models/adaptive-small", "--tasks", "6", "--seed", "9", "--json"))
     assert asked["searched"] == 6 and asked["planned"] >= 6 and asked["dearer"] <= 2

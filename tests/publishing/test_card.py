@@ -33,6 +33,14 @@ def test_card_is_what_the_manifest_says_and_no_more(pristine: Path) -> None:
     assert card(manifest) == (pristine / "README.md").read_text(encoding="utf-8")
 
 
+def test_of_tasks_that_a_map_chose_the_grid_tells_only_the_domain(pristine: Path) -> None:
+    manifest = read_manifest(pristine)
+    assert "chosen anywhere between" not in card(manifest)
+    scenario = dict(manifest.scenario)
+    chosen = replace(manifest, scenario=scenario | {"tasks": scenario["tasks"] | {"sampling": "adaptive"}})
+    assert "The grid tells the domain; the map was made from tasks chosen anywhere between." in card(chosen)
+
+
 def test_competitors_make_a_row_each_and_unknown_numbers_a_dash(pristine: Path) -> None:
     quality = {"accuracy": 0.9, "macro_f1": 0.8, "top1_beyond_ties": 1.0, "regret_mean": 1.234e-3, "regret_p95": None}
     metrics = {
