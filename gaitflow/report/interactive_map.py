@@ -28,6 +28,7 @@ from gaitflow.search.solution import Solution
 DIGITS = 4  # of lengths, angles and forces over weight: a tenth of a millimetre is less than a pixel
 DECISIONS = 45_000  # of the map that are drawn in all slices, as many as on the picture
 RESOLUTION = 120  # decisions drawn along each axis of a slice, at most
+MAX_SLICES = 225  # beyond them too few decisions are left for each
 
 
 def interactive_map(
@@ -43,7 +44,7 @@ def interactive_map(
     ValueError when `labels` is empty, a motion is not finite, or `select` answers with an index that is no gait.
     """
     space = scenario.tasks.space
-    slices = slices_of(labels, scenario.tasks, most=None)
+    slices = slices_of(labels, scenario.tasks, MAX_SLICES)
     order = by_size(labels, gaits)
     colours = map_colours(order)
     motions = winning_motions(labels, solutions, space)

@@ -86,7 +86,7 @@ def nearest_slices(labels: pd.DataFrame, further: dict[str, tuple[float, ...]]) 
     return Nearest(place, beside)
 
 
-def slices_of(labels: pd.DataFrame, tasks: Tasks, most: int | None = MAX_PANELS) -> Slices:
+def slices_of(labels: pd.DataFrame, tasks: Tasks, most: int = MAX_PANELS) -> Slices:
     """The panels of a labels frame at the values of the scenario's grid; at most `most`, the outermost kept.
 
     Raises ValueError when there is no task.
@@ -98,7 +98,7 @@ def slices_of(labels: pd.DataFrame, tasks: Tasks, most: int | None = MAX_PANELS)
     limits = {axis: (grid[axis][0], grid[axis][-1]) for axis in (x, y) if axis is not None}
     values = {axis: each for axis, each in grid.items() if axis not in limits}
     count = math.prod(map(len, values.values()))
-    numbers = _evenly([len(each) for each in values.values()], most or count)
+    numbers = _evenly([len(each) for each in values.values()], most)
     chosen = [_outermost(len(each), number) for each, number in zip(values.values(), numbers, strict=True)]
     further = {axis: tuple(values[axis][i] for i in kept) for axis, kept in zip(values, chosen, strict=True)}
     found = nearest_slices(labels, values)
@@ -117,10 +117,8 @@ def _evenly(counts: list[int], most: int) -> list[int]:
     """Of how many values of each axis panels are drawn, so that there are at most `most` and the axes share them."""
     numbers = [1] * len(counts)
     while True:
-        room = math.prod(numbers)
-        more = [
-            i for i, count in enumerate(counts) if numbers[i] < count and room // numbers[i] * (numbers[i] + 1) <= most
-        ]
+        panels = math.prod(numbers)
+        more = [i for i, own in enumerate(numbers) if own < counts[i] and panels // own * (own + 1) <= most]
         if not more:
             return numbers
         numbers[min(more, key=lambda i: numbers[i])] += 1

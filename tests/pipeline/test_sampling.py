@@ -41,6 +41,7 @@ def read(path: Path) -> Any:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(900)
 def test_a_map_chooses_its_tasks_until_it_is_certified(tmp_path: Path) -> None:
     (tmp_path / "small.yaml").write_text(SCENARIO)
     gaitflow(tmp_path, "solve", "small.yaml")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gaitflow.config.scenario import Tasks
-from gaitflow.report.interactive_map import interactive_map
+from gaitflow.report.interactive_map import MAX_SLICES, interactive_map
 from gaitflow.report.palette import gait_colours
 from gaitflow.report.task_facts import RIVALS
 
@@ -97,6 +97,34 @@ def test_further_axes_have_sliders_over_all_slices(sloped, sloped_labels, gaits)
     (between,) = [task for task in data["tasks"] if task["between"]]
     assert data["sliders"][0]["values"][between["slice"]] == "2°"  # its slope is 1.7 degrees
     assert "open where they lie between slices, in the nearest one" in data["marks"]
+
+
+def test_tasks_off_the_grid_stand_in_the_nearest_slice_of_two_sliders(turning, turning_labels, gaits) -> None:
+    data = interactive_map(turning_labels, [], turning, gaits, None)
+    assert [(slider["label"], len(slider["values"])) for slider in data["sliders"]] == [
+        ("lateral speed", 5),
+        ("yaw rate", 4),
+    ]
+    assert [one["place"] for one in data["slices"]] == [[i, j] for i in range(5) for j in range(4)]
+    lateral, yaw = np.linspace(-0.4, 0.4, 5), np.linspace(-0.6, 0.6, 4)
+    for task, row in zip(data["tasks"], turning_labels.to_dict("records"), strict=True):
+        at = np.abs(lateral - row["lateral_speed"]).argmin(), np.abs(yaw - row["yaw_rate"]).argmin()
+        assert data["slices"][task["slice"]]["place"] == list(at) and not task["between"]
+    assert data["marks"][0] == "circles are searched tasks" and data["marks"][-1] == "each in the slice nearest to it"
+    first = data["tasks"][data["start"]]
+    assert not first["held_out"] and dict(first["facts"])["split"] == "searched"
+
+
+def test_of_very_many_slices_an_even_part_is_shown_with_all_tasks(
+    turning, turning_labels, gaits, turning_select
+) -> None:
+    axes = turning.tasks.as_data()["axes"]
+    axes |= {axis: axes[axis] | {"count": 60} for axis in ("lateral_speed", "yaw_rate")}
+    fine = turning.model_copy(update={"tasks": Tasks.from_data({"axes": axes, "sampling": "adaptive"}, "tasks")})
+    data = interactive_map(turning_labels, [], fine, gaits, turning_select)
+    assert [len(slider["values"]) for slider in data["sliders"]] == [15, 15] and len(data["slices"]) == MAX_SLICES
+    assert len(data["tasks"]) == 360 and {task["slice"] for task in data["tasks"]} <= set(range(MAX_SLICES))
+    assert all(len(one["regions"]) > 1 for one in data["slices"])
 
 
 def test_a_map_of_one_axis_is_a_strip(scenario, labels, gaits) -> None:
