@@ -92,7 +92,7 @@ def test_the_atlas_tells_its_nodes_and_how_the_predictors_did(solved: Path) -> N
     data = json.loads(done.stdout)
     assert done.exit_code == 0
     assert (solved / "runs/small/learning/atlas.safetensors").read_bytes() == before, "equal datasets, equal atlases"
-    assert set(data) == {"gaits", "nodes", "solves", "modes", "bytes", "predictions"}
+    assert set(data) == {"gaits", "nodes", "solves", "modes", "bytes", "predictions", "missed_labels"}
     assert data["bytes"] == len(before) and sum(data["nodes"].values()) > 6
     judged = data["predictions"]
     assert 0 < judged["converged"] <= judged["tasks"]
@@ -401,9 +401,9 @@ def test_report_wants_a_scenario_or_claims(tmp_path: Path) -> None:
 
 def test_every_command_explains_itself_with_an_example() -> None:
     assert set(main.commands) == {
-        "atlas", "bench", "cancel", "compact", "datasets", "doctor", "drive", "estimate", "export", "init", "label",
-        "labels", "models", "paper", "plan", "publish", "report", "robot", "run", "show", "solve", "status", "submit",
-        "trace", "train", "upload", "validate", "verify", "walk",
+        "atlas", "bench", "cancel", "certify", "compact", "datasets", "doctor", "drive", "estimate", "export", "init",
+        "label", "labels", "models", "paper", "plan", "publish", "report", "robot", "run", "show", "solve", "status",
+        "submit", "sweep", "trace", "train", "upload", "validate", "verify", "walk",
     }  # fmt: skip
     for name in main.commands:
         done = CliRunner().invoke(main, [name, "--help"])

@@ -8,11 +8,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from gaitflow.atlas.judge import Predictions
 from gaitflow.config.scenario import Range, Scenario, load_scenario
 from gaitflow.config.tasks import tasks_of
 from gaitflow.pipeline import stages
+from gaitflow.pipeline.atlas_record import atlas_record
 from gaitflow.pipeline.json_file import read_json, write_json
 from gaitflow.pipeline.workspace import Workspace
+from gaitflow.runtime.atlas import Atlas
 
 
 def scenario_of(checkout: Path, **axes: Range | float) -> Scenario:
@@ -33,18 +36,18 @@ def labels_of(scenario: Scenario, infeasible: tuple[float, ...]) -> pd.DataFrame
     return pd.DataFrame(rows[::-1])
 
 
-def test_the_domain_is_where_tasks_of_the_grid_were_solved(checkout: Path) -> None:
+def test_the_domain_is_where_tasks_of_the_grid_were_solved(checkout: Path, tmp_path: Path) -> None:
     scenario = scenario_of(checkout, slope=Range(start=0.0, stop=10.0, count=2))
     ranges = scenario.tasks.ranges
     hole = (ranges["speed"].values[2], ranges["cycle_duration"].values[0], 10.0)
-    domain = stages._domain(scenario, labels_of(scenario, hole))
+    domain = stages._domain(Workspace(tmp_path).run(scenario), scenario, labels_of(scenario, hole))
     assert tuple(domain.axes) == ("speed", "cycle_duration", "slope")
     assert np.argwhere(~domain.feasible).tolist() == [[2, 0, 1]]
 
 
-def test_a_fixed_axis_is_none_of_the_domains(checkout: Path) -> None:
+def test_a_fixed_axis_is_none_of_the_domains(checkout: Path, tmp_path: Path) -> None:
     scenario = scenario_of(checkout, cycle_duration=0.6)
-    domain = stages._domain(scenario, labels_of(scenario, (9.9,)))
+    domain = stages._domain(Workspace(tmp_path).run(scenario), scenario, labels_of(scenario, (9.9,)))
     assert dict(domain.axes) == {"speed": scenario.tasks.ranges["speed"].values}
     assert domain.feasible.all()
 
@@ -78,6 +81,7 @@ def test_a_summary_counts_tasks_and_the_patterns_of_the_least_symmetric_one(chec
 
 
 def test_numbers_that_do_not_exist_are_null(tmp_path: Path) -> None:
-    data = stages._without_nan({"mean": float("nan"), "tasks": 0, "name": "x"})
+    judged = Predictions(0, 0, *[float("nan")] * 4)
+    data = atlas_record(["gallop"], Atlas.empty(["speed"]), 0, judged, 0, 0)
     write_json(tmp_path / "data.json", data)
-    assert read_json(tmp_path / "data.json") == {"mean": None, "tasks": 0, "name": "x"}
+    assert read_json(tmp_path / "data.json")["predictions"]["iterations_mean"] is None

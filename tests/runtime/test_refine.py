@@ -49,7 +49,7 @@ def test_all_ways_lead_to_one_optimum(refiner: Refiner, tiny: TinyMap, gait: int
 
 def test_options_that_ipopt_does_not_take_are_the_maps_fault(tiny: TinyMap, tmp_path: Path) -> None:
     folder = write_map(dataclasses.replace(tiny, solver_options={"tol": 0.0}), tmp_path)
-    refiner = GaitMap.load(folder)._refiner()
+    refiner = GaitMap.load(folder)._solvers.refiner()
     with pytest.raises(
         ArtifactError, match=r"manifest\.json: solver\.options = {'tol': 0\.0}: IPOPT does not take these"
     ):
