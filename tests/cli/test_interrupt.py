@@ -122,7 +122,7 @@ def test_ctrl_c_amid_solves_and_the_same_command_goes_on(workspace: Path, stage:
 def test_ctrl_c_in_every_later_stage(workspace: Path) -> None:
     for stage in ("solve", "label", "atlas", "train", "publish", "report"):
         subprocess.run(command(stage, "small.yaml"), cwd=workspace, capture_output=True, check=True)
-    last_words = {"label": "failed", "atlas": " MB", "train": "what the map picks", "publish": "datasets/small"}
+    last_words = {"label": "failed", "atlas": " MB", "train": "picks of the map", "publish": "datasets/small"}
     for stage in ("label", "atlas", "train", "publish", "report"):
         for seconds in (0.2, 0.6, 1.2, 2.0):
             if stage == "publish":  # otherwise it finds its version and has nothing to do
