@@ -37,11 +37,14 @@ def cgroup() -> Iterator[Path]:
             reasons.append(str(error))
             continue
         try:
-            if (group / file).exists():
-                (group / file).write_text(str(LIMIT))
-                yield group
-                return
-            reasons.append(f"{group}: has no {file}")
+            try:
+                with (group / file).open("r+") as limit:  # which must be there
+                    limit.write(str(LIMIT))
+            except OSError as error:
+                reasons.append(str(error))
+                continue
+            yield group
+            return
         finally:
             for _ in range(50):  # processes that were killed are in it until they are reaped
                 with suppress(OSError):

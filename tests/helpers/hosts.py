@@ -36,22 +36,26 @@ def network_of_hosts(number: int) -> Iterator[list[Host]]:
     switch = f"{mark}-switch"
     hosts = [Host(f"{mark}-{i}", f"{NETWORK}.{i + 1}") for i in range(number)]
     with ExitStack() as stack:
-        for name in (switch, *(host.name for host in hosts)):
-            try:
+        try:
+            for name in (switch, *(host.name for host in hosts)):
                 _ip("netns", "add", name)
-            except (OSError, subprocess.CalledProcessError) as error:
-                why = getattr(error, "stderr", "") or str(error)
-                pytest.skip(f"no network namespaces here, they need root and iproute2: {why.strip()}")
-            stack.callback(_ip, "netns", "del", name)
-        _ip("-n", switch, "link", "add", "bridge", "type", "bridge")
-        _ip("-n", switch, "link", "set", "bridge", "up")
-        for i, host in enumerate(hosts):
-            _ip("-n", switch, "link", "add", f"port{i}", "type", "veth", "peer", "name", INTERFACE, "netns", host.name)
-            _ip("-n", switch, "link", "set", f"port{i}", "master", "bridge", "up")
-            _ip("-n", host.name, "address", "add", f"{host.address}/24", "dev", INTERFACE)
-            for interface in ("lo", INTERFACE):
-                _ip("-n", host.name, "link", "set", interface, "up")
+                stack.callback(_ip, "netns", "del", name)
+            _connect(switch, hosts)
+        except (OSError, subprocess.CalledProcessError) as error:
+            why = getattr(error, "stderr", "") or str(error)
+            pytest.skip(f"no network namespaces here, they need root and iproute2: {why.strip()}")
         yield hosts
+
+
+def _connect(switch: str, hosts: Sequence[Host]) -> None:
+    _ip("-n", switch, "link", "add", "bridge", "type", "bridge")
+    _ip("-n", switch, "link", "set", "bridge", "up")
+    for i, host in enumerate(hosts):
+        _ip("-n", switch, "link", "add", f"port{i}", "type", "veth", "peer", "name", INTERFACE, "netns", host.name)
+        _ip("-n", switch, "link", "set", f"port{i}", "master", "bridge", "up")
+        _ip("-n", host.name, "address", "add", f"{host.address}/24", "dev", INTERFACE)
+        for interface in ("lo", INTERFACE):
+            _ip("-n", host.name, "link", "set", interface, "up")
 
 
 def _ip(*arguments: str) -> Sequence[str]:
