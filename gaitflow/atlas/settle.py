@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
+import pandas as pd
 
 from gaitflow.atlas.compress import cost_atlas
 from gaitflow.atlas.grow import DECIMALS, Growth
@@ -19,6 +20,18 @@ ROUNDS = 4
 ON_THE_WAY = (1 / 2, 3 / 4, 7 / 8, 15 / 16)  # from the nearest node to a place where a gait has no motion
 
 Known = Mapping[Place, Mapping[int, float]]  # at each searched place the excess of each gait with a motion, by number
+
+
+def known_costs(costs: pd.DataFrame, column: str, gaits: Sequence[str], axes: Sequence[str]) -> Known:
+    """What the frame of `gaitflow.dataset.labels.gait_costs` knows of some gaits, at tasks that are not held out.
+
+    `column` says how `gaits` are called: by their names ("gait") or their keys ("gait_key"). `axes` are the map's.
+    """
+    known: dict[Place, dict[int, float]] = {}
+    rows = costs[costs[column].isin(gaits) & (costs["split"] != "held_out")]
+    for *place, gait, excess in rows[[*axes, column, "excess"]].itertuples(index=False, name=None):
+        known.setdefault(tuple(place), {})[gaits.index(gait)] = excess
+    return known
 
 
 def settle(

@@ -6,7 +6,6 @@ Pure functions of the packages below do the work; here they get their files, and
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,7 +20,6 @@ from gaitflow.pipeline.workspace import Run, Workspace
 if TYPE_CHECKING:
     import pandas as pd
 
-    from gaitflow.atlas.node import Place
     from gaitflow.config.cluster import Profile
     from gaitflow.core.task import Task
     from gaitflow.execute.count import RunState
@@ -58,10 +56,7 @@ def solve(
     """
     from gaitflow.dataset.collect import collect
     from gaitflow.execute.display import display
-    from gaitflow.execute.local import local_run_client
-    from gaitflow.execute.progress import describe, share
-    from gaitflow.execute.run import run_units
-    from gaitflow.execute.solver import longest_unit_s
+    from gaitflow.pipeline.drive import drive
     from gaitflow.store.parts import UnitStore
     from gaitflow.store.units import plan_units
 
@@ -70,21 +65,8 @@ def solve(
     store = UnitStore(run.folder)
     with display(scenario.name) as tell:
 
-        def on_event(state: RunState) -> None:
-            tell(describe(state), share(state), state.notes)
-
-        def tell_note(note: str) -> None:
-            tell("", notes=(note,))
-
-        def open_client() -> AbstractContextManager[Any]:
-            if profile is None:
-                return local_run_client(store.folder, workers)
-            from gaitflow.execute.schedulers.cluster_client import cluster_client
-
-            return cluster_client(profile, store.folder, longest_unit_s(plan_units(scenario)), tell_note)
-
         def search(tasks: Sequence[Task] | None = None) -> RunState:
-            return run_units(plan_units(scenario, tasks), store, open_client, on_event)
+            return drive(plan_units(scenario, tasks), store, tell, workers, profile)
 
         if scenario.tasks.adaptive is None:
             return search(), collect(store, scenario)
@@ -92,8 +74,8 @@ def solve(
         from gaitflow.sampling.rounds import held_out
 
         rounds = sample(run, scenario, search, tell)
-    chosen = [task for one in rounds for task in one.tasks]
-    return search(chosen), collect(store, scenario, chosen, held_out(rounds))
+        chosen = [task for one in rounds for task in one.tasks]
+        return search(chosen), collect(store, scenario, chosen, held_out(rounds))
 
 
 def label(workspace: Workspace, scenario: Scenario) -> pd.DataFrame:
@@ -125,7 +107,7 @@ def atlas(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
     from gaitflow.atlas.grow import grow
     from gaitflow.atlas.judge import judge_predictions
     from gaitflow.atlas.patterns import full_patterns, map_symmetry
-    from gaitflow.atlas.settle import settle
+    from gaitflow.atlas.settle import known_costs, settle
     from gaitflow.core.gaits import Pattern
     from gaitflow.dataset import load_solutions
     from gaitflow.execute.display import display
@@ -154,7 +136,7 @@ def atlas(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
         full = [Pattern.from_text(pattern) for pattern in patterns]
         growth = grow(problem, full, solutions, domain, lambda nodes: tell(f"{nodes} nodes on the grid"))
         fill(growth, lambda: build_atlas(growth, numbers), tolerance, on_test=countdown(tell, "tests"))
-        known = _known_costs(costs, gaits, scenario)
+        known = known_costs(costs, "gait", gaits, scenario.tasks.space.ranged)
         missed = settle(growth, numbers, known, tolerance, tell)
         tell("put together")
         built = build_atlas(growth, numbers)
@@ -373,16 +355,6 @@ def _domain(run: Run, scenario: Scenario, labels: pd.DataFrame) -> Domain:
     for place in solved[list(axes)].itertuples(index=False, name=None):
         feasible[tuple(values.index(value) for values, value in zip(axes.values(), place, strict=True))] = True
     return Domain(axes, feasible)
-
-
-def _known_costs(costs: pd.DataFrame, gaits: list[str], scenario: Scenario) -> dict[Place, dict[int, float]]:
-    """At each task that the map is made from, by how much the gaits of the atlas are dearer than the best one."""
-    axes = list(scenario.tasks.space.ranged)
-    known: dict[Place, dict[int, float]] = {}
-    rows = costs[costs["gait"].isin(gaits) & (costs["split"] != "held_out")]
-    for *place, gait, excess in rows[[*axes, "gait", "excess"]].itertuples(index=False, name=None):
-        known.setdefault(tuple(place), {})[gaits.index(gait)] = excess
-    return known
 
 
 def _write_table(path: Path, frame: pd.DataFrame) -> None:

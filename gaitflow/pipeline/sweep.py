@@ -40,6 +40,7 @@ def sweep(
     and as `drive` does.
     """
     from gaitflow.dataset.sweep import sweep_labels, write_sweep
+    from gaitflow.execute.display import display
     from gaitflow.pipeline.drive import drive
     from gaitflow.store.parts import UnitStore
 
@@ -47,7 +48,8 @@ def sweep(
     make_folder(run.folder)
     write_json(run.robots, [_robot(sample) for sample in samples])
     store = UnitStore(run.folder)
-    drive(sweep_units(samples), store, run.folder.name, workers, profile)
+    with display(run.folder.name) as tell:
+        drive(sweep_units(samples), store, tell, workers, profile)
     labels = sweep_labels(store, samples)
     write_sweep(run.table, scenario, given, labels)
     return labels

@@ -12,9 +12,9 @@ from gaitflow.atlas.compress import build_atlas, cost_atlas
 from gaitflow.atlas.fill import LIMIT, fill
 from gaitflow.atlas.grow import Growth
 from gaitflow.atlas.judge import Predictions, judge_predictions
-from gaitflow.atlas.node import NodeSolver, Place
+from gaitflow.atlas.node import NodeSolver
 from gaitflow.atlas.patterns import NEARLY_BEST, full_patterns, map_symmetry
-from gaitflow.atlas.settle import settle
+from gaitflow.atlas.settle import known_costs, settle
 from gaitflow.certificate.judge import DEARER, Verdict, judge_picks
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.domain import Domain
@@ -104,7 +104,8 @@ class MapInMaking:
 
         with self._inside():
             fill(self.growth, self.built, tolerance, on_test=on_test)
-            return settle(self.growth, self._numbers, self._known_costs(), DEARER, self.tell)
+            known = known_costs(self._costs, "gait_key", self.gaits, self.scenario.tasks.space.ranged)
+            return settle(self.growth, self._numbers, known, DEARER, self.tell)
 
     def costs_atlas(self) -> Atlas:
         """The atlas as far as it predicts costs, of all competing gaits."""
@@ -170,11 +171,3 @@ class MapInMaking:
         everywhere, self.growth.domain = self.growth.domain, self.domain
         yield
         self.growth.domain = everywhere
-
-    def _known_costs(self) -> dict[Place, dict[int, float]]:
-        known: dict[Place, dict[int, float]] = {}
-        axes = list(self.scenario.tasks.space.ranged)
-        rows = self._costs[self._costs["gait_key"].isin(self.gaits)]
-        for *place, gait, excess in rows[[*axes, "gait_key", "excess"]].itertuples(index=False, name=None):
-            known.setdefault(tuple(place), {})[self.gaits.index(gait)] = excess
-        return known
