@@ -6,9 +6,10 @@ through big-M rows. Both are in scaled variables (see `layout`); a stored cost i
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
 from itertools import pairwise
 
 import casadi as ca
@@ -29,6 +30,8 @@ from gaitflow.problem.reaches import leg_reach, reach_copies
 from gaitflow.problem.separable import Element, SeparableProblem
 from gaitflow.problem.steps import Step, StepTerms, one_step, step_terms
 from gaitflow.problem.task import TaskParameters, task_parameters
+
+KEPT = 8  # programs that a process keeps: those of one scenario's meshes, and of another
 
 
 @dataclass(frozen=True)
@@ -113,7 +116,24 @@ class GaitProblem:
 
 
 def transcribe(scenario: Scenario) -> GaitProblem:
-    """Build the program of a scenario."""
+    """Build the program of a scenario; scenarios with equal problems share it."""
+    data = scenario.problem_data
+    shared = _Shared(json.dumps(data, sort_keys=True), scenario)
+    return GaitProblem(scenario, Layout.of(scenario.as_data()), *_program(shared))
+
+
+@dataclass(frozen=True)
+class _Shared:
+    """A scenario, equal to any other with the same problem."""
+
+    problem: str
+    scenario: Scenario = field(compare=False)
+
+
+@lru_cache(maxsize=KEPT)
+def _program(shared: _Shared) -> tuple[SeparableProblem, float]:
+    """The program of a problem and its scale of cost. A worker's units mostly have one problem on a few meshes."""
+    scenario = shared.scenario
     layout = Layout.of(scenario.as_data())
     scale = _cost_scale(scenario, layout)
     w, parameters = ca.SX.sym("w", layout.nw), ca.SX.sym("task", len(AXES))
@@ -133,7 +153,7 @@ def transcribe(scenario: Scenario) -> GaitProblem:
     if others.reaches:
         copies += reach_copies(scenario, layout, first_reach)
     pieces = Pieces(tuple(copies), rest)
-    return GaitProblem(scenario, layout, SeparableProblem(nlp, _elements(scenario, layout, scale), pieces), scale)
+    return SeparableProblem(nlp, _elements(scenario, layout, scale), pieces), scale
 
 
 def _elements(scenario: Scenario, layout: Layout, scale: float) -> tuple[Element, ...]:

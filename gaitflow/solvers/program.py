@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,9 +15,11 @@ from gaitflow.solvers.elements import with_elements
 if TYPE_CHECKING:
     from gaitflow.problem import SeparableProblem
 
+KEPT = 8  # functions that a process keeps, since they take seconds to build in space
 Places = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 
+@lru_cache(maxsize=KEPT)
 def derivatives(problem: SeparableProblem) -> Any:
     """The CasADi function (w [nw], task [axes], multipliers [ng]) -> (cost, rows, gradient, Jacobian, Hessian).
 

@@ -11,6 +11,7 @@ from gaitflow.core.task import AXIS_NAMES, Task
 from gaitflow.core.trajectory import Array
 from gaitflow.problem import GaitProblem, transcribe
 from gaitflow.search import starts
+from gaitflow.solvers.program import derivatives
 
 SLOPED = Task.of({"speed": 0.8, "cycle_duration": 0.6, "slope": 15.0, "acceleration": 0.3})
 TASK = SLOPED.parameters
@@ -207,3 +208,14 @@ def test_minlp_rows_extend_those_of_the_nlp(either: Scenario, forces: str) -> No
     tail = own_rows.full().ravel()[-stance_rows:]
     assert (tail >= bounds.lower_rows[-stance_rows:]).all()
     assert (tail <= bounds.upper_rows[-stance_rows:]).all()
+
+
+def test_equal_problems_share_their_program_and_its_derivatives(planar: Scenario) -> None:
+    faster = with_axes(planar, speed={"start": 0.5, "stop": 1.5, "count": 3})
+    named = planar.model_copy(update={"name": "another"})
+    heavier = planar.model_copy(update={"robot": planar.robot.model_copy(update={"mass": 15.0})})
+    own, *others, different = (transcribe(each) for each in (planar, faster, named, heavier))
+    assert [other.scenario for other in others] == [faster, named], "each with its own ranges and name"
+    assert all(other.separable is own.separable and other.nlp is own.nlp for other in others)
+    assert derivatives(own.separable) is derivatives(others[0].separable)
+    assert different.separable is not own.separable
