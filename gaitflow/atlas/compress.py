@@ -19,8 +19,11 @@ from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, Sheet
 
 LARGEST = {2: 2_700_000, 3: 6_500_000}  # bytes of an atlas of two axes, in the plane and in space
-FURTHER_AXIS = 3.9  # times as many, for each axis beyond two
+FURTHER_AXIS = 3.9  # times as many, for each axis beyond two,
+MOST_BYTES = 18_000_000  # up to here, whatever the axes
 MOST_MODES = 128  # of a pattern
+MANY_ROWS = 1000  # of nodes and tangents; an exact decomposition of more takes minutes in space
+PASSES = 3  # over all rows, until their leading directions are found
 NAMES = 2000  # bytes of the names and shapes of a pattern's arrays
 # What an error of a prediction counts: Newton's method finds the multipliers of rows by itself in its first step, and a
 # bound's multiplier, whose logarithm is predicted, may be off by half, but a variable should not cross its bound.
@@ -39,7 +42,8 @@ def build_atlas(growth: Growth, gaits: Sequence[int], largest: int | None = None
     numbers = [number for number, nodes in enumerate(growth.nodes) if nodes]
     sheets = [_analysed(growth, number) for number in numbers]
     if largest is None:
-        largest = int(LARGEST[growth.problem.layout.dimension] * FURTHER_AXIS ** max(len(growth.domain.axes) - 2, 0))
+        further = FURTHER_AXIS ** max(len(growth.domain.axes) - 2, 0)
+        largest = min(int(LARGEST[growth.problem.layout.dimension] * further), MOST_BYTES)
     counts = _mode_counts(sheets, largest)
     built = tuple(
         _sheet(growth, number, gaits[number], sheet, count)
@@ -121,6 +125,8 @@ def _analysed(growth: Growth, number: int) -> _Analysed:
 def _modes(points: Array, tangents: Array) -> tuple[Array, Array]:
     """The directions [m, ny] in which points [n, ny] and their changes over half a step [n, a, ny] vary; how much."""
     rows = np.concatenate([points, tangents.reshape(-1, points.shape[1]) / 2])
+    if len(rows) > MANY_ROWS:
+        rows = _sketched(rows)
     # The rows are mostly fewer than the numbers: their products are a smaller problem than an SVD of all.
     sizes, mixtures = np.linalg.eigh(rows @ rows.T)
     kept = np.flatnonzero(sizes > 1e-12 * max(sizes[-1], 1e-300))[::-1][:MOST_MODES]
@@ -129,6 +135,16 @@ def _modes(points: Array, tangents: Array) -> tuple[Array, Array]:
     vectors = (mixtures[:, kept] / np.sqrt(sizes[kept])).T @ rows
     signs = np.sign(vectors[np.arange(len(vectors)), np.abs(vectors).argmax(axis=1)])
     return vectors * signs[:, None], sizes[kept]
+
+
+def _sketched(rows: Array) -> Array:
+    """Fewer rows that vary in about the same directions, and as much: a randomised range (Halko et al., 2011)."""
+    sample = np.random.default_rng(0).standard_normal((len(rows), 2 * MOST_MODES))
+    for _ in range(PASSES):
+        directions, _ = np.linalg.qr(rows.T @ sample)
+        sample, _ = np.linalg.qr(rows @ directions)
+    sketched: Array = sample.T @ rows
+    return sketched
 
 
 def _mode_counts(sheets: Sequence[_Analysed], largest: int) -> list[int]:

@@ -6,16 +6,16 @@ next, those of the worst cells first.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise, product
 
 import numpy as np
 
-from gaitflow.atlas.grow import DECIMALS, Growth
+from gaitflow.atlas.grow import AT_ONCE, DECIMALS, Growth
 from gaitflow.atlas.node import Place
 from gaitflow.core.trajectory import Array
-from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.atlas import Atlas, Prediction
 from gaitflow.solvers.interior_point import Outcome
 
 ROUNDS = 3
@@ -67,11 +67,12 @@ def fill(
         sheets = [sheet for sheet, nodes in enumerate(growth.nodes) if nodes]
         wrong = list[tuple[Cell, float]]()
         left -= len(cells)
-        for tested, cell in enumerate(cells, 1):
-            error = _error(growth, atlas, sheets, cell.centre, tie_tolerance)
-            if error:
-                wrong.append((cell, error))
-            further = _foretold(len(cells), len(wrong) / tested * len(cell.parts()), rounds - number - 1, left)
+        for first in range(0, len(cells), AT_ONCE):
+            batch = cells[first : first + AT_ONCE]
+            errors = _errors(growth, atlas, sheets, [cell.centre for cell in batch], tie_tolerance)
+            wrong += [(cell, error) for cell, error in zip(batch, errors, strict=True) if error]
+            tested, parts = first + len(batch), len(batch[-1].parts())
+            further = _foretold(len(cells), len(wrong) / tested * parts, rounds - number - 1, left)
             on_test(done + tested, done + len(cells) + further)
         done += len(cells)
         growth.spread()
@@ -99,32 +100,55 @@ def _cells(growth: Growth) -> list[Cell]:
     return [cell for cell in boxes if any(cell.half) and growth.inside(cell.centre)]
 
 
-def _error(growth: Growth, atlas: Atlas, sheets: Sequence[int], place: Place, tie_tolerance: float) -> float:
-    """How wrong the atlas is at a place: the relative error of a cost, infinite where a start led nowhere, 0 if good.
+def _errors(
+    growth: Growth, atlas: Atlas, sheets: Sequence[int], places: Sequence[Place], tie_tolerance: float
+) -> list[float]:
+    """How wrong the atlas is at places: the relative error of a cost, infinite where a start led nowhere, 0 if good.
 
     Where it is not good the gaits that may be the cheapest get nodes there.
     """
-    asked = np.array(place)
-    first, rivals = _rivals(atlas, asked)
-    found: dict[int, Outcome] = {}
-    for rival in rivals:
-        predicted = atlas.predict(rival, asked)
-        assert predicted is not None, "a ranked sheet has a node within reach"
-        outcome = growth.solver.refined(sheets[rival], place, predicted, LIMIT)
+    rivals = [_rivals(atlas, np.array(place)) for place in places]
+    predicted = [
+        {rival: _predicted(atlas, rival, place) for rival in each}
+        for (_, each), place in zip(rivals, places, strict=True)
+    ]
+    asked = [(number, rival) for number, each in enumerate(predicted) for rival in each]
+    starts = [(sheets[rival], places[number], predicted[number][rival]) for number, rival in asked]
+    found: list[dict[int, Outcome]] = [{} for _ in places]
+    for (number, rival), outcome in zip(asked, growth.solver.refinements(starts, LIMIT), strict=True):
         if outcome.converged and outcome.cost > 0:
-            found[rival] = outcome
-            if rival == first:
-                off = abs(predicted.cost / outcome.cost - 1)
+            found[number][rival] = outcome
+    errors = [
+        _error(first, known, outcomes, tie_tolerance)
+        for (first, _), known, outcomes in zip(rivals, predicted, found, strict=True)
+    ]
+    wrong = [
+        (rival, place)
+        for (_, each), place, error in zip(rivals, places, errors, strict=True)
+        for rival in each
+        if error
+    ]
+    _add(growth, atlas, sheets, wrong)
+    return errors
+
+
+def _predicted(atlas: Atlas, rival: int, place: Place) -> Prediction:
+    predicted = atlas.predict(rival, np.array(place))
+    assert predicted is not None, "a ranked sheet has a node within reach"
+    return predicted
+
+
+def _error(
+    first: int, predicted: Mapping[int, Prediction], found: Mapping[int, Outcome], tie_tolerance: float
+) -> float:
+    """How wrong the predicted costs of rivals are at a place, given what was found there; `first` is the pick."""
     if first not in found:
-        error = np.inf
-    else:
-        chosen = found[first]
-        regret = chosen.cost / min(one.cost for one in found.values()) - 1
-        good = off <= WRONG and chosen.iterations <= GOOD and regret <= tie_tolerance
-        error = 0.0 if good else max(off, regret, LEAST_ERROR)
-    if error:
-        _add(growth, atlas, sheets, place, rivals)
-    return float(error)
+        return float("inf")
+    chosen = found[first]
+    off = abs(predicted[first].cost / chosen.cost - 1)
+    regret = chosen.cost / min(one.cost for one in found.values()) - 1
+    good = off <= WRONG and chosen.iterations <= GOOD and regret <= tie_tolerance
+    return 0.0 if good else float(max(off, regret, LEAST_ERROR))
 
 
 def _rivals(atlas: Atlas, asked: Array) -> tuple[int, list[int]]:
@@ -138,11 +162,21 @@ def _rivals(atlas: Atlas, asked: Array) -> tuple[int, list[int]]:
     return ranked[0], list(dict.fromkeys([ranked[0], *by_cost]))[:RIVALS]
 
 
-def _add(growth: Growth, atlas: Atlas, sheets: Sequence[int], place: Place, rivals: Sequence[int]) -> None:
-    """Nodes of some sheets at a place, each from its prediction or from the nearest nodes."""
-    asked = np.array(place)
-    for rival in rivals:
-        starts = [atlas.predict(rival, asked), *atlas.nearest(rival, asked, 2)]
-        for start in starts:
-            if start is not None and growth.keep(sheets[rival], growth.solver.node(sheets[rival], place, start)):
-                break
+def _add(growth: Growth, atlas: Atlas, sheets: Sequence[int], wrong: Sequence[tuple[int, Place]]) -> None:
+    """Nodes of sheets at places, (sheet, place) each, from its prediction or else from the nearest nodes."""
+    starts = {
+        (rival, place): [atlas.predict(rival, np.array(place)), *atlas.nearest(rival, np.array(place), 2)]
+        for rival, place in wrong
+    }
+    for attempt in range(max(map(len, starts.values()), default=0)):
+        left = {at: each for at, each in starts.items() if attempt < len(each)}
+        requests = [
+            (sheets[rival], place, start)
+            for (rival, place), each in left.items()
+            if (start := each[attempt]) is not None
+        ]
+        nodes = growth.solver.nodes(requests)
+        kept = {
+            (sheet, place) for (sheet, place, _), node in zip(requests, nodes, strict=True) if growth.keep(sheet, node)
+        }
+        starts = {(rival, place): each for (rival, place), each in left.items() if (sheets[rival], place) not in kept}

@@ -15,7 +15,7 @@ from itertools import product
 
 import numpy as np
 
-from gaitflow.atlas.node import Node, NodeSolver, Place
+from gaitflow.atlas.node import Each, Node, NodeSolver, Place, Request
 from gaitflow.core.domain import Domain
 from gaitflow.core.gaits import Pattern
 from gaitflow.core.trajectory import Array
@@ -28,6 +28,7 @@ CHEAPER = 1e-4  # relative: a motion that saves less is the same one
 PROMISING = 0.02  # relative: what a neighbour's motion must promise to save before it is tried
 DECIMALS = 9  # of the places of nodes
 APART = 0.5  # in the problem's scaled variables: how far it must be from the motion that is there
+AT_ONCE = 64  # nodes that are solved side by side before anyone hears how far it is
 
 
 @dataclass
@@ -106,9 +107,12 @@ class Growth:
                 w = problem.layout.pack(one.trajectory, one.task.cycle_duration, one.pattern)
                 start = self.solver.from_solution(sheet, w, one.multipliers.bounds, one.multipliers.rows, cost)
                 self._starts[sheet][place] = start
-        for (sheet, place), cost in sorted(costs.items(), key=lambda item: (item[1], item[0])):
-            if cost <= COMPETITIVE * self.best[place]:
-                self.keep(sheet, self.solver.node(sheet, place, self._starts[sheet][place]))
+        competitive = [
+            (sheet, place, self._starts[sheet][place])
+            for (sheet, place), cost in sorted(costs.items(), key=lambda item: (item[1], item[0]))
+            if cost <= COMPETITIVE * self.best[place]
+        ]
+        self._solve(competitive)
 
     def start_at(self, sheet: int, place: Place) -> Prediction | None:
         """The dataset's own solution of a sheet at a place; None without one."""
@@ -126,6 +130,16 @@ class Growth:
         """Solve neighbours, all patterns one step at a time, until nothing new is competitive."""
         tried: set[tuple[int, Place, Place, float]] = set()
         while self._fringe:
+            targets = self._targets(tried)
+            for turn in range(max(map(len, targets.values()), default=0)):
+                self._try(
+                    [(sheet, beside[turn], near) for (sheet, near), beside in targets.items() if turn < len(beside)]
+                )
+
+    def _targets(self, tried: set[tuple[int, Place, Place, float]]) -> dict[tuple[int, Place], list[Node]]:
+        """Where patterns may spread, and from which of the nodes that are new since the last time."""
+        targets: dict[tuple[int, Place], list[Node]] = {}
+        while self._fringe:
             sheet, place = self._fringe.popleft()
             node = self.nodes[sheet][place]
             if node.cost > COMPETITIVE * self.best[place]:
@@ -134,19 +148,32 @@ class Growth:
                 attempt = sheet, place, near, node.cost
                 if attempt not in tried:
                     tried.add(attempt)
-                    self._try(sheet, node, near)
+                    targets.setdefault((sheet, near), []).append(node)
+        return targets
 
-    def _try(self, sheet: int, node: Node, near: Place) -> None:
-        """A node beside `node`, by its tangents, and first of all from the dataset's own solution."""
-        predicted, start = node.moved(near), self._starts[sheet].get(near)
-        if near not in self.nodes[sheet] and start is not None:
-            self.keep(sheet, self.solver.node(sheet, near, start))
-        known = self.nodes[sheet].get(near)
-        if known is None or self._promises(sheet, predicted, known):
-            self.keep(sheet, self.solver.node(sheet, near, predicted))
+    def _try(self, attempts: Sequence[tuple[int, Node, Place]]) -> None:
+        """Nodes at places beside others, by their tangents, and first of all from the dataset's own solutions."""
+        self._solve(
+            [
+                (sheet, near, self._starts[sheet][near])
+                for sheet, _, near in attempts
+                if near not in self.nodes[sheet] and near in self._starts[sheet]
+            ]
+        )
+        by_tangents = [(sheet, near, node.moved(near)) for sheet, node, near in attempts]
+        self._solve([request for request in by_tangents if self._promises(*request)])
 
-    def _promises(self, sheet: int, predicted: Prediction, known: Node) -> bool:
-        """Whether a prediction is of another motion than the known one, and of a cheaper one."""
+    def _solve(self, requests: Sequence[Request]) -> None:
+        for first in range(0, len(requests), AT_ONCE):
+            batch = requests[first : first + AT_ONCE]
+            for (sheet, _, _), node in zip(batch, self.solver.nodes(batch), strict=True):
+                self.keep(sheet, node)
+
+    def _promises(self, sheet: int, place: Place, predicted: Prediction) -> bool:
+        """Whether a prediction is of another motion than the one that is known there, if any, and of a cheaper one."""
+        known = self.nodes[sheet].get(place)
+        if known is None:
+            return True
         free = len(self.solver.methods[sheet].space.free)
         apart = np.abs(predicted.point[:free] - known.point[:free]).max()
         return bool(predicted.cost < known.cost * (1 - PROMISING) and apart > APART)
@@ -175,12 +202,13 @@ def grow(
     solutions: Iterable[Solution],
     domain: Domain,
     on_node: Callable[[int], None] = lambda nodes: None,
+    each: Each | None = None,
 ) -> Growth:
     """Nodes of patterns at the tasks of the grid inside the domain; equal arguments, equal nodes.
 
-    `on_node` hears how many nodes there are.
+    `on_node` hears how many nodes there are; `each` solves several at once, see `NodeSolver`.
     """
-    growth = Growth(problem, NodeSolver(problem, patterns), domain, on_node=on_node)
+    growth = Growth(problem, NodeSolver(problem, patterns, each), domain, on_node=on_node)
     growth.sow(solutions)
     growth.spread()
     return growth

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -23,6 +24,9 @@ ITERATIONS = 25
 OTHER_UNIT = 2.0  # times the optimum's cost: between these two the path's change with the unit is measured
 
 Place = tuple[float, ...]  # values on the axes with a range, in the order and units of AXES
+Request = tuple[int, Place, Prediction]  # a pattern's number, where it is to be solved, and from which start
+# Calls a method of a NodeSolver with a pattern and further arguments, for each of these, and gives what they return.
+Each = Callable[[str, Sequence[tuple[Pattern, Sequence[Any]]]], list[Any]]
 
 
 @dataclass(frozen=True)
@@ -47,12 +51,16 @@ class Node:
 
 
 class NodeSolver:
-    """Solves nodes of patterns, called by their numbers, at places on the scenario's axes with a range."""
+    """Solves nodes of patterns, called by their numbers, at places on the scenario's axes with a range.
 
-    def __init__(self, problem: GaitProblem, patterns: Sequence[Pattern]) -> None:
+    `each` calls for many requests at once, in other processes; None: one after the other, here.
+    """
+
+    def __init__(self, problem: GaitProblem, patterns: Sequence[Pattern], each: Each | None = None) -> None:
         self.patterns: tuple[Pattern, ...] = ()
         self.methods: tuple[InteriorPoint, ...] = ()
         self.solves = 0
+        self._each = each
         self._problem = problem
         self._scenario = problem.scenario.as_data()
         self._space = problem.scenario.tasks.space
@@ -69,6 +77,18 @@ class NodeSolver:
             InteriorPoint(self._program, GaitSpace(each.lower, each.upper, each.lower_rows, each.upper_rows))
             for each in bounds
         )
+
+    def nodes(self, requests: Sequence[Request]) -> list[Node | None]:
+        """`node` for each request."""
+        return self._all("node", requests)
+
+    def refinements(self, requests: Sequence[Request], limit: int) -> list[Outcome]:
+        """`refined` for each request."""
+        return self._all("refined", requests, limit)
+
+    def costs_at(self, requests: Sequence[Request], limit: int) -> list[float | None]:
+        """`cost_at` for each request."""
+        return self._all("cost_at", requests, limit)
 
     def node(self, sheet: int, place: Place, start: Prediction) -> Node | None:
         """The node that a start leads to, along the central path to the optimum and back; None where it leads to none.
@@ -103,6 +123,12 @@ class NodeSolver:
         """The problem's cost of the motion that a start leads to; None where it leads to none that passes the check."""
         found = self.refined(sheet, place, start, limit)
         return found.cost if self._is_solution(sheet, place, found) else None
+
+    def _all(self, method: str, requests: Sequence[Request], *further: int) -> list[Any]:
+        if self._each is None or len(requests) < 2:
+            return [getattr(self, method)(*request, *further) for request in requests]
+        self.solves += len(requests)
+        return self._each(method, [(self.patterns[sheet], (*where, *further)) for sheet, *where in requests])
 
     def from_solution(self, sheet: int, w: Array, bounds: Array, rows: Array, cost: float) -> Prediction:
         """A start from a solved w [nw], its multipliers (bounds [nw], rows [ng]; CasADi's signs) and its cost."""

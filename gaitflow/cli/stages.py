@@ -115,19 +115,20 @@ def label(workspace: Workspace, scenario: str) -> None:
 
 @click.command()
 @scenario_argument
+@workers_option
 @json_option
 @click.pass_obj
-def atlas(workspace: Workspace, scenario: str, as_json: bool) -> None:
+def atlas(workspace: Workspace, scenario: str, workers: int, as_json: bool) -> None:
     """Build the atlas of SCENARIO.
 
     The atlas predicts costs, and starts of plans. It has solved tasks of every gait; this command solves many of them
     between those of the grid.
 
     \b
-    Example: gaitflow atlas quickstart
+    Example: gaitflow atlas quickstart --workers 2
     """
     with bad_input():
-        data = stages.atlas(workspace, workspace.scenario(scenario))
+        data = stages.atlas(workspace, workspace.scenario(scenario), workers)
     if as_json:
         return print_json(data)
     for pattern, nodes in data["nodes"].items():

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from gaitflow.atlas.node import Each
 from gaitflow.certificate.bound import chances_of, tasks_needed
 from gaitflow.certificate.certificate import Certificate, certify
 from gaitflow.certificate.draw import EmptyDomain, draw_tasks
@@ -44,16 +45,16 @@ MORE_SEEDS = 1000  # apart: seeds of the parts of a sampling, so that none repea
 Search = Callable[[Sequence[Task]], object]  # solves the units of tasks that are not stored yet
 
 
-def sample(run: Run, scenario: Scenario, search: Search, tell: Tell) -> list[Round]:
+def sample(run: Run, scenario: Scenario, search: Search, tell: Tell, each: Each | None = None) -> list[Round]:
     """Choose and search tasks until the map is certified or the scenario's `most` are searched; returns all rounds.
 
-    Leaves the atlas that was judged, and what it was judged to be, in the run's folder. Raises EmptyDomain where no
-    task that was searched has a motion.
+    `each` solves several nodes of the atlas at once, see `NodeSolver`. Leaves the atlas that was judged, and what it
+    was judged to be, in the run's folder. Raises EmptyDomain where no task that was searched has a motion.
     """
     sampling, space = scenario.tasks.adaptive, scenario.tasks.space
     assert sampling is not None, "a scenario whose tasks are a grid has no rounds"
     rounds = rounds_from(read_json(run.rounds), space) if run.rounds.exists() else []
-    making = MapInMaking(scenario, _scalars(run, scenario), _motions(run, scenario), tell)
+    making = MapInMaking(scenario, _scalars(run, scenario), _motions(run, scenario), tell, each)
     steps = _Steps(making, sampling.seed)
     for number in range(sampling.most):  # no sampling has as many rounds, as each searches a task at least
         if number == len(rounds):

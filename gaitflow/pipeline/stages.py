@@ -70,10 +70,12 @@ def solve(
 
         if scenario.tasks.adaptive is None:
             return search(), collect(store, scenario)
+        from gaitflow.execute.node_processes import node_processes
         from gaitflow.pipeline.sampling import sample
         from gaitflow.sampling.rounds import held_out
 
-        rounds = sample(run, scenario, search, tell)
+        with node_processes(scenario, workers) as each:
+            rounds = sample(run, scenario, search, tell, each)
         chosen = [task for one in rounds for task in one.tasks]
         return search(chosen), collect(store, scenario, chosen, held_out(rounds))
 
@@ -98,8 +100,11 @@ def label(workspace: Workspace, scenario: Scenario) -> pd.DataFrame:
     return labels
 
 
-def atlas(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
-    """Grow the solutions of every labelled gait into an atlas; writes it and how good its predictions are."""
+def atlas(workspace: Workspace, scenario: Scenario, workers: int = 1) -> dict[str, Any]:
+    """Grow the solutions of every labelled gait into an atlas; writes it and how good its predictions are.
+
+    `workers` processes solve its nodes.
+    """
     import pandas as pd
 
     from gaitflow.atlas.compress import build_atlas
@@ -111,6 +116,7 @@ def atlas(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
     from gaitflow.core.gaits import Pattern
     from gaitflow.dataset import load_solutions
     from gaitflow.execute.display import display
+    from gaitflow.execute.node_processes import node_processes
     from gaitflow.execute.progress import countdown
     from gaitflow.problem import transcribe
     from gaitflow.runtime.atlas_file import atlas_bytes
@@ -131,10 +137,10 @@ def atlas(workspace: Workspace, scenario: Scenario) -> dict[str, Any]:
     patterns = full_patterns(solutions.frame(), costs, gaits, tolerance, map_symmetry(scenario))
     numbers = [gaits.index(gait) for gait in patterns.values()]
     problem, domain = transcribe(scenario), _domain(run, scenario, labels)
-    with display(f"{scenario.name}: atlas") as tell:
+    with display(f"{scenario.name}: atlas") as tell, node_processes(scenario, workers) as each:
         tell("reading the solutions")
         full = [Pattern.from_text(pattern) for pattern in patterns]
-        growth = grow(problem, full, solutions, domain, lambda nodes: tell(f"{nodes} nodes on the grid"))
+        growth = grow(problem, full, solutions, domain, lambda nodes: tell(f"{nodes} nodes on the grid"), each)
         fill(growth, lambda: build_atlas(growth, numbers), tolerance, on_test=countdown(tell, "tests"))
         known = known_costs(costs, "gait", gaits, scenario.tasks.space.ranged)
         missed = settle(growth, numbers, known, tolerance, tell)

@@ -12,7 +12,7 @@ from gaitflow.atlas.compress import build_atlas, cost_atlas
 from gaitflow.atlas.fill import LIMIT, fill
 from gaitflow.atlas.grow import Growth
 from gaitflow.atlas.judge import Predictions, judge_predictions
-from gaitflow.atlas.node import NodeSolver
+from gaitflow.atlas.node import Each, NodeSolver
 from gaitflow.atlas.patterns import NEARLY_BEST, full_patterns, map_symmetry
 from gaitflow.atlas.settle import known_costs, settle
 from gaitflow.certificate.judge import DEARER, Verdict, judge_picks
@@ -28,6 +28,8 @@ from gaitflow.search.attempts import best_of, until_feasible
 from gaitflow.search.solution import Solution
 from gaitflow.solvers.fixed_gait import FixedGaitSolver
 
+STARTS = 2  # nearest nodes of a pattern from which a pick is solved
+
 ReadSolutions = Callable[[Sequence[Task]], Iterable[Solution]]  # of searched tasks, with their motions
 Tell = Callable[[str], None]
 
@@ -36,11 +38,16 @@ class MapInMaking:
     """The tasks that a map is made from, the gaits that compete at them, and the nodes these have spread to.
 
     `scalars` and `motions` read the rows of searched tasks: the columns without and the solutions with their motions.
-    Equal tasks, taken in the same order, make equal maps.
+    `each` solves several nodes at once, see `NodeSolver`. Equal tasks, taken in the same order, make equal maps.
     """
 
     def __init__(
-        self, scenario: Scenario, scalars: Callable[[Sequence[Task]], pd.DataFrame], motions: ReadSolutions, tell: Tell
+        self,
+        scenario: Scenario,
+        scalars: Callable[[Sequence[Task]], pd.DataFrame],
+        motions: ReadSolutions,
+        tell: Tell,
+        each: Each | None = None,
     ) -> None:
         self.scenario = scenario
         self.tasks: list[Task] = []
@@ -54,7 +61,7 @@ class MapInMaking:
         self._symmetry = map_symmetry(scenario)
         axes = {axis: values.values for axis, values in scenario.tasks.ranges.items()}
         everywhere = Domain(axes, np.ones(tuple(map(len, axes.values())), dtype=bool))
-        self.growth = Growth(self._problem, NodeSolver(self._problem, []), everywhere)
+        self.growth = Growth(self._problem, NodeSolver(self._problem, [], each), everywhere)
         self._solver = FixedGaitSolver(self._problem, scenario.strategy.solve_time_limit)
 
     @property
@@ -132,12 +139,12 @@ class MapInMaking:
         picks = self._picks(tasks)
         names = [self.gaits[pick] if pick >= 0 else "" for pick in picks]
         by_task = dict(zip(tasks, picks, strict=True))
-        return judge_picks(list(tasks), names, costs, lambda task: self._pick_cost(task, by_task[task]))
+        return judge_picks(list(tasks), names, costs, lambda task: self._pick_costs([task], [by_task[task]])[0])
 
     def has_motion(self, tasks: Sequence[Task]) -> list[bool]:
         """Whether the map's pick has a motion, at tasks of its domain that were not searched."""
         picks = self._picks(tasks)
-        return [self._pick_cost(task, pick) is not None for task, pick in zip(tasks, picks, strict=True)]
+        return [cost is not None for cost in self._pick_costs(tasks, picks)]
 
     def _picks(self, tasks: Sequence[Task]) -> list[int]:
         """The number of the gait that the map picks at each task, -1 where its atlas knows none."""
@@ -148,21 +155,41 @@ class MapInMaking:
             picks.append(kept[atlas.sheets[ranked[0]].gait] if ranked else -1)
         return picks
 
-    def _pick_cost(self, task: Task, pick: int) -> float | None:
-        """The least cost of a gait at a task, from its nearest nodes, else from other starts; None without a motion."""
-        place, found = task.on(self.scenario.tasks.ranges), list[float]()
-        sheets = [sheet for sheet, gait in enumerate(self._numbers) if gait == pick and self.growth.nodes[sheet]]
+    def _pick_costs(self, tasks: Sequence[Task], picks: Sequence[int]) -> list[float | None]:
+        """The least cost of a gait at each task, from its nearest nodes, else other starts; None without a motion."""
+        places = [task.on(self.scenario.tasks.ranges) for task in tasks]
+        sheets = [self._sheets_of(pick) for pick in picks]
+        found: dict[tuple[int, int], float] = {}
+        for start in range(STARTS):
+            asked = [
+                (number, sheet)
+                for number, each in enumerate(sheets)
+                for sheet in each
+                if (number, sheet) not in found and start < len(self.growth.nodes[sheet])
+            ]
+            requests = [
+                (sheet, places[number], self.growth.nearest(sheet, places[number], start + 1)[start])
+                for number, sheet in asked
+            ]
+            costs = self.growth.solver.costs_at(requests, LIMIT)
+            found |= {
+                at: cost * self._problem.cost_scale for at, cost in zip(asked, costs, strict=True) if cost is not None
+            }
+        return [
+            min(known) if (known := [found[number, sheet] for sheet in each if (number, sheet) in found])
+            else self._from_other_starts(each, task)
+            for number, (task, each) in enumerate(zip(tasks, sheets, strict=True))
+        ]  # fmt: skip
+
+    def _sheets_of(self, gait: int) -> list[int]:
+        return [sheet for sheet, number in enumerate(self._numbers) if number == gait and self.growth.nodes[sheet]]
+
+    def _from_other_starts(self, sheets: Sequence[int], task: Task) -> float | None:
+        restarts, found = self.scenario.strategy.restarts, list[float]()
         for sheet in sheets:
-            for start in self.growth.nearest(sheet, place, 2):
-                cost = self.growth.solver.cost_at(sheet, place, start, LIMIT)
-                if cost is not None:
-                    found.append(cost * self._problem.cost_scale)
-                    break
-        if not found:
-            for sheet in sheets:
-                pattern = self.growth.solver.patterns[sheet]
-                best = best_of(until_feasible(self._solver, pattern, task, None, self.scenario.strategy.restarts))
-                found += [] if best is None else [best.cost]
+            pattern = self.growth.solver.patterns[sheet]
+            best = best_of(until_feasible(self._solver, pattern, task, None, restarts))
+            found += [] if best is None else [best.cost]
         return min(found, default=None)
 
     @contextmanager

@@ -13,8 +13,10 @@ from gaitflow.atlas import fill as fill_module
 from gaitflow.atlas.compress import build_atlas
 from gaitflow.atlas.fill import Cell, fill
 from gaitflow.atlas.grow import Growth, grow
+from gaitflow.atlas.node import Place
 from gaitflow.core.domain import Domain
 from gaitflow.core.gaits import Pattern
+from gaitflow.runtime.atlas import Atlas
 
 
 @pytest.fixture
@@ -49,21 +51,21 @@ def test_an_axis_of_one_value_has_no_middle() -> None:
 def test_nodes_are_added_only_where_a_prediction_failed(growth: Growth, monkeypatch: pytest.MonkeyPatch) -> None:
     bad = fill_module._cells(growth)[3]
     asked: list[tuple[float, ...]] = []
-    real = fill_module._error
+    real = fill_module._errors
 
     def judged(
-        grown: Growth, atlas: object, sheets: Sequence[int], place: tuple[float, ...], tolerance: float
-    ) -> float:
-        asked.append(place)
-        if place == bad.centre:
-            monkeypatch.setattr(fill_module, "GOOD", -1)
-            found = real(grown, atlas, sheets, place, tolerance)  # type: ignore[arg-type]
-            monkeypatch.undo()
-            monkeypatch.setattr(fill_module, "_error", judged)
-            return found
-        return 0.0
+        grown: Growth, atlas: Atlas, sheets: Sequence[int], places: Sequence[Place], tolerance: float
+    ) -> list[float]:
+        asked.extend(places)
+        if bad.centre not in places:
+            return [0.0] * len(places)
+        monkeypatch.setattr(fill_module, "GOOD", -1)
+        (error,) = real(grown, atlas, sheets, [bad.centre], tolerance)
+        monkeypatch.undo()
+        monkeypatch.setattr(fill_module, "_errors", judged)
+        return [error if place == bad.centre else 0.0 for place in places]
 
-    monkeypatch.setattr(fill_module, "_error", judged)
+    monkeypatch.setattr(fill_module, "_errors", judged)
     before = {place for nodes in growth.nodes for place in nodes}
     fill(growth, lambda: build_atlas(growth, [0, 1]), 1e-3, rounds=2)
     assert {place for nodes in growth.nodes for place in nodes} - before == {bad.centre}
@@ -73,7 +75,8 @@ def test_nodes_are_added_only_where_a_prediction_failed(growth: Growth, monkeypa
 def test_what_is_added_is_predicted_well_afterwards(growth: Growth) -> None:
     atlas = build_atlas(growth, [0, 1])
     cells = fill_module._cells(growth)
-    failed = [cell for cell in cells if fill_module._error(growth, atlas, [0, 1], cell.centre, 1e-3)]
+    errors = fill_module._errors(growth, atlas, [0, 1], [cell.centre for cell in cells], 1e-3)
+    failed = [cell for cell, error in zip(cells, errors, strict=True) if error]
     assert 0 < len(failed) < len(cells)
     again = build_atlas(growth, [0, 1])
     wrong = 0
@@ -101,11 +104,11 @@ def test_rivals_are_those_that_may_cost_least() -> None:
 def test_when_tests_run_out_the_worst_cells_are_looked_into(growth: Growth, monkeypatch: pytest.MonkeyPatch) -> None:
     cells, asked = fill_module._cells(growth), list[tuple[float, ...]]()
 
-    def judged(_: object, __: object, ___: object, place: tuple[float, ...], ____: float) -> float:
-        asked.append(place)
-        return float(np.inf if place == cells[5].centre else place == cells[2].centre)
+    def judged(_: object, __: object, ___: object, places: Sequence[Place], ____: float) -> list[float]:
+        asked.extend(places)
+        return [float(np.inf if place == cells[5].centre else place == cells[2].centre) for place in places]
 
-    monkeypatch.setattr(fill_module, "_error", judged)
+    monkeypatch.setattr(fill_module, "_errors", judged)
     monkeypatch.setattr(fill_module, "MOST_TESTS", len(cells) + 4)
     fill(growth, lambda: build_atlas(growth, [0, 1]), 1e-3, rounds=5)
     assert asked == [cell.centre for cell in cells] + [part.centre for part in cells[5].parts()]

@@ -6,7 +6,8 @@ rule atlas:
     output:
         "runs/{scenario}/learning/atlas.safetensors",
         "runs/{scenario}/learning/atlas.json",
+    threads: workflow.cores or 2
     params:
         scenario=named,
     shell:
-        "gaitflow atlas {params.scenario:q}"
+        "gaitflow atlas {params.scenario:q} --workers {threads}"

@@ -1,0 +1,59 @@
+"""Processes that solve nodes of an atlas side by side, each with the problem of its own."""
+
+from __future__ import annotations
+
+import functools
+import json
+import multiprocessing
+import os
+import signal
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
+from typing import Any
+
+from gaitflow.atlas.node import Each, NodeSolver
+from gaitflow.config.scenario import Scenario
+from gaitflow.core.gaits import Pattern
+from gaitflow.execute.line_process import ONE_THREAD, die_with
+from gaitflow.problem import transcribe
+
+PARTS = 4  # of its share that a process gets at once: solves take unequal times
+
+
+@contextmanager
+def node_processes(scenario: Scenario, workers: int) -> Iterator[Each | None]:
+    """What calls a `NodeSolver` in so many processes, which start when they are first needed; None for one.
+
+    Results are those of a call in this process, to the last bit.
+    """
+    if workers == 1:
+        yield None
+        return
+    text = json.dumps(scenario.as_data())
+    spawn = multiprocessing.get_context("spawn")  # the caller may have threads
+    with ProcessPoolExecutor(workers, spawn, _begin, (os.getpid(),)) as pool:
+
+        def each(method: str, calls: Sequence[tuple[Pattern, Sequence[Any]]]) -> list[Any]:
+            share = max(len(calls) // (PARTS * workers), 1)
+            return list(pool.map(functools.partial(_call, text, method), calls, chunksize=share))
+
+        yield each
+
+
+def _begin(parent: int) -> None:
+    die_with(parent)
+    os.environ.update(ONE_THREAD)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal's Ctrl-C is the parent's to handle
+
+
+def _call(scenario: str, method: str, call: tuple[Pattern, Sequence[Any]]) -> Any:
+    solver, (pattern, arguments) = _solver(scenario), call
+    if pattern not in solver.patterns:
+        solver.extend([pattern])
+    return getattr(solver, method)(solver.patterns.index(pattern), *arguments)
+
+
+@functools.lru_cache(maxsize=1)
+def _solver(scenario: str) -> NodeSolver:
+    return NodeSolver(transcribe(Scenario.from_data(json.loads(scenario), "atlas")), [])
