@@ -23,7 +23,8 @@ from gaitflow.problem import GaitProblem
 from gaitflow.runtime.atlas import Prediction
 from gaitflow.search.solution import Solution
 
-COMPETITIVE = 1.15  # a gait is seeded at, and spreads from, tasks where it costs at most this times the cheapest
+COMPETITIVE = 1.15  # a gait is seeded at, and spreads from, tasks where it costs at most this times the cheapest;
+COMPETITIVE_WIDE = 1.06  # over more axes than three, where a wider band would be most of all nodes
 CHEAPER = 1e-4  # relative: a motion that saves less is the same one
 PROMISING = 0.02  # relative: what a neighbour's motion must promise to save before it is tried
 DECIMALS = 9  # of the places of nodes
@@ -54,6 +55,10 @@ class Growth:
         shape = self.domain.feasible.shape
         places = [any(place in nodes for nodes in self.nodes) for place in product(*self.grid)]
         return Domain(self.domain.axes, np.array(places).reshape(shape))
+
+    @property
+    def _competitive(self) -> float:
+        return COMPETITIVE if len(self.grid) <= 3 else COMPETITIVE_WIDE
 
     @property
     def grid(self) -> tuple[tuple[float, ...], ...]:
@@ -110,7 +115,7 @@ class Growth:
         competitive = [
             (sheet, place, self._starts[sheet][place])
             for (sheet, place), cost in sorted(costs.items(), key=lambda item: (item[1], item[0]))
-            if cost <= COMPETITIVE * self.best[place]
+            if cost <= self._competitive * self.best[place]
         ]
         self._solve(competitive)
 
@@ -142,7 +147,7 @@ class Growth:
         while self._fringe:
             sheet, place = self._fringe.popleft()
             node = self.nodes[sheet][place]
-            if node.cost > COMPETITIVE * self.best[place]:
+            if node.cost > self._competitive * self.best[place]:
                 continue
             for near in self._neighbours(place):
                 attempt = sheet, place, near, node.cost

@@ -15,7 +15,8 @@ from gaitflow.core.gaits import Pattern, Symmetry, gait_of
 from gaitflow.dataset.labels import MAX_VIOLATION
 from gaitflow.tables.schema import task_columns
 
-NEARLY_BEST = 0.02  # relative: a gait matters at tasks of the grid where it is at most this much dearer than the best
+NEARLY_BEST = 0.02  # relative: a gait matters at tasks of the grid where it is at most this much dearer than the best;
+NEARLY_BEST_WIDE = 0.005  # in a map of more axes than three, where so many gaits are nearly the best somewhere
 
 
 def map_symmetry(scenario: Scenario) -> Symmetry:
@@ -29,6 +30,11 @@ def map_symmetry(scenario: Scenario) -> Symmetry:
         mirrors.pop() if len(mirrors) == 1 else None,
         reversals.pop() if len(reversals) == 1 else None,
     )
+
+
+def nearly_best(axes: int) -> float:
+    """By how much, as a share, a gait may be dearer than the best where it matters, in a map of so many axes."""
+    return NEARLY_BEST if axes <= 3 else NEARLY_BEST_WIDE
 
 
 def full_patterns(
@@ -47,6 +53,7 @@ def full_patterns(
     gait at other tasks of the map is left out.
     """
     task = task_columns(costs.columns)
+    band = nearly_best(len(task) - 1)
     kept = (solutions["status"] == "solved") & (solutions["violation"] <= MAX_VIOLATION)
     rows = solutions[kept & (solutions["split"] != "held_out")]
     least = rows.groupby([*task, "gait", "pattern"], sort=False)["cost"].min().reset_index()
@@ -54,7 +61,7 @@ def full_patterns(
     good = least[least["cost"] <= best * (1 + tolerance)]
     keys = {pattern: gait_of(Pattern.from_text(pattern), symmetry).text for pattern in good["pattern"].unique()}
     good = good[good["pattern"].map(keys) == good["gait"]]
-    matters = costs[(costs["split"] != "held_out") & (costs["excess"] <= NEARLY_BEST)]
+    matters = costs[(costs["split"] != "held_out") & (costs["excess"] <= band)]
     chosen: dict[str, str] = {}
     for name in sorted(set(gaits)):
         wanted = matters[matters["gait"] == name]

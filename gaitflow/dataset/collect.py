@@ -12,9 +12,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.task import Task
+from gaitflow.dataset.mirror import START, MirrorImage, has_images, images_of
 from gaitflow.dataset.read import FILE_NAME, Solutions
 from gaitflow.files import new_file
 from gaitflow.store.parts import DamagedPart, UnitStore
@@ -22,6 +24,7 @@ from gaitflow.store.units import Unit, plan_units
 from gaitflow.tables.provenance import dataset_record
 from gaitflow.tables.schema import row_order, scalar_columns, solution_schema
 from gaitflow.tables.seal import write_sealed
+from gaitflow.tables.solutions import solutions_to_table, table_to_solutions
 
 ROWS_PER_GROUP = 2000  # rows held in memory at a time
 OPEN_PARTS = 8
@@ -41,7 +44,8 @@ def collect(
 ) -> Path:
     """Merge every unit of `scenario` into one file, `<store>/solutions.parquet`, and return its path.
 
-    `chosen` are the tasks of an adaptive sampling, `held_out` those of them that nothing was learnt from.
+    `chosen` are the tasks of an adaptive sampling, `held_out` those of them that nothing was learnt from. Of the others
+    the mirror images are rows, too, where the map has them.
 
     Rows are sorted by split, task (speed fastest), pattern, seed and start. Every part is checked; a bad one goes to
     quarantine.
@@ -60,12 +64,17 @@ def collect(
         )
     try:
         schema = solution_schema(scenario.as_data())
-        table, records, record_of = _scalars(store, units, scalar_columns(schema.names))
-        rows = _with_splits(table.to_pandas(), units, held_out).sort_values(
+        columns = scalar_columns(schema.names)
+        table, records, record_of = _scalars(store, units, columns)
+        images = _Images(store, units, held_out, scenario)
+        rows = _with_splits(table.to_pandas(), units, held_out)
+        rows = pd.concat([rows, *images.scalars(columns)]).sort_values(
             row_order(schema.names), kind="stable", ignore_index=True
         )
         target = store.folder / FILE_NAME
-        read = functools.lru_cache(maxsize=OPEN_PARTS)(lambda index: store.read(units[index]))
+        read = functools.lru_cache(maxsize=OPEN_PARTS)(
+            lambda index: store.read(units[index]) if index < len(units) else images.read(index)
+        )
         with new_file(target, replace=True) as file:
             record = dataset_record(scenario, [unit.digest for unit in units], records, record_of)
             write_sealed(file, schema, _tables(rows, read, schema), record)
@@ -76,7 +85,32 @@ def collect(
 
 def tasks_as_chosen(solutions: Solutions) -> list[Task]:
     """The tasks of an adaptive sampling as they were when they were chosen, in the order of the dataset's units."""
-    return sorted(replace(task, split="sampled") for task in solutions.tasks())
+    searched = solutions.table.filter(pc.not_equal(solutions.table["start"], START))
+    return sorted(replace(task, split="sampled") for task in Solutions(searched, solutions.record).tasks())
+
+
+class _Images:
+    """Mirror images of the units that were searched for a map: numbered after the units, row for row as these are."""
+
+    def __init__(self, store: UnitStore, units: Sequence[Unit], held_out: Collection[Task], scenario: Scenario) -> None:
+        self._store, self._units, self._scenario = store, units, scenario
+        self._image = MirrorImage(scenario)
+        self._known = [
+            len(units) + index
+            for index, unit in enumerate(units)
+            if has_images(scenario) and unit.tasks[0] not in held_out and images_of(unit.tasks)
+        ]
+
+    def scalars(self, columns: Sequence[str]) -> list[pd.DataFrame]:
+        """The scalar columns of each image, with `unit` and `row` as `_scalars` has them."""
+        tables = ((index, self.read(index).select(columns).to_pandas()) for index in self._known)
+        return [frame.assign(unit=index, row=np.arange(len(frame))) for index, frame in tables]
+
+    def read(self, index: int) -> pa.Table:
+        """The table of an image."""
+        data = self._scenario.as_data()
+        solutions = table_to_solutions(self._store.read(self._units[index - len(self._units)]), data)
+        return solutions_to_table([self._image.of(one) for one in solutions], data)
 
 
 def _with_splits(rows: pd.DataFrame, units: Sequence[Unit], held_out: Collection[Task]) -> pd.DataFrame:

@@ -21,6 +21,7 @@ from gaitflow.certificate.judge import Verdict
 from gaitflow.config.scenario import Scenario
 from gaitflow.config.tasks import tasks_of
 from gaitflow.core.task import Task
+from gaitflow.dataset.mirror import MirrorImage, has_images
 from gaitflow.files import atomic_write
 from gaitflow.pipeline.atlas_record import atlas_record
 from gaitflow.pipeline.json_file import read_json, write_json
@@ -33,7 +34,7 @@ from gaitflow.search.solution import Solution
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import plan_cold
 from gaitflow.tables.schema import scalar_columns, solution_schema
-from gaitflow.tables.solutions import table_to_solutions
+from gaitflow.tables.solutions import solutions_to_table, table_to_solutions
 
 if TYPE_CHECKING:
     from gaitflow.execute.display import Tell
@@ -139,7 +140,7 @@ class _Steps:
         number = min(self._sampling.further(len(grid)), left)
         low, high = (np.array([values[end] for values in grid]) for end in (0, -1))
         seed = self._seed * MORE_SEEDS + self._rounds
-        places = next_places(making.costs_atlas(), making.places, np.array(making.regrets), low, high, number, seed)
+        places = next_places(making.costs_atlas(), making.places, making.regrets, low, high, number, seed)
         return [task_at(making.scenario.tasks.space, place) for place in places]
 
     def done(self, one: Round) -> Round:
@@ -232,9 +233,16 @@ def _write(run: Run, scenario: Scenario, rounds: Sequence[Round]) -> None:
 
 def _scalars(run: Run, scenario: Scenario) -> Callable[[Sequence[Task]], pd.DataFrame]:
     store, columns = UnitStore(run.folder), scalar_columns(solution_schema(scenario.as_data()).names)
+    image = MirrorImage(scenario) if has_images(scenario) else None
 
     def read(tasks: Sequence[Task]) -> pd.DataFrame:
-        frames = [store.read(unit, columns=columns).to_pandas() for unit in plan_cold(scenario, tasks)] if tasks else []
+        frames = []
+        for unit in plan_cold(scenario, tasks) if tasks else []:
+            table = store.read(unit)
+            frames.append(table.select(columns).to_pandas())
+            if image is not None:
+                rows = list(image.known(table_to_solutions(table, scenario.as_data())))
+                frames.append(solutions_to_table(rows, scenario.as_data()).select(columns).to_pandas())
         return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=columns)
 
     return read
@@ -242,9 +250,13 @@ def _scalars(run: Run, scenario: Scenario) -> Callable[[Sequence[Task]], pd.Data
 
 def _motions(run: Run, scenario: Scenario) -> Callable[[Sequence[Task]], Iterator[Solution]]:
     store = UnitStore(run.folder)
+    image = MirrorImage(scenario) if has_images(scenario) else None
 
     def read(tasks: Sequence[Task]) -> Iterator[Solution]:
         for unit in plan_cold(scenario, tasks):
-            yield from table_to_solutions(store.read(unit), scenario.as_data())
+            rows = list(table_to_solutions(store.read(unit), scenario.as_data()))
+            yield from rows
+            if image is not None:
+                yield from image.known(rows)
 
     return read

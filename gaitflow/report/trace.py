@@ -105,7 +105,8 @@ def _makers(solutions: Solutions, scenario: Scenario, task: Task) -> tuple[str |
         units = plan_units(scenario, None if scenario.tasks.adaptive is None else tasks_as_chosen(solutions))
     except ConfigError:
         return None, makers
-    place = next((index for index, unit in enumerate(units) if task in unit.tasks), None)
+    searched = {one: index for index, unit in enumerate(units) for one in unit.tasks}
+    place = searched.get(task, searched.get(task.mirrored()))
     if place is None or len(units) != record["units"]:
         return None, makers
     if by_unit is not None:

@@ -13,7 +13,7 @@ from gaitflow.atlas.fill import LIMIT, fill
 from gaitflow.atlas.grow import Growth
 from gaitflow.atlas.judge import Predictions, judge_predictions
 from gaitflow.atlas.node import Each, NodeSolver
-from gaitflow.atlas.patterns import NEARLY_BEST, full_patterns, map_symmetry
+from gaitflow.atlas.patterns import full_patterns, map_symmetry, nearly_best
 from gaitflow.atlas.settle import known_costs, settle
 from gaitflow.certificate.judge import DEARER, Verdict, judge_picks
 from gaitflow.config.scenario import Scenario
@@ -22,6 +22,7 @@ from gaitflow.core.gaits import Pattern
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.dataset.labels import gait_costs, label_tasks
+from gaitflow.dataset.mirror import has_images, images_of
 from gaitflow.problem import transcribe
 from gaitflow.runtime.atlas import Atlas
 from gaitflow.search.attempts import best_of, until_feasible
@@ -38,6 +39,7 @@ class MapInMaking:
     """The tasks that a map is made from, the gaits that compete at them, and the nodes these have spread to.
 
     `scalars` and `motions` read the rows of searched tasks: the columns without and the solutions with their motions.
+    Where tasks have mirror images in the map (`gaitflow.dataset.mirror`), they read the rows of these as well.
     `each` solves several nodes at once, see `NodeSolver`. Equal tasks, taken in the same order, make equal maps.
     """
 
@@ -51,7 +53,7 @@ class MapInMaking:
     ) -> None:
         self.scenario = scenario
         self.tasks: list[Task] = []
-        self.regrets: list[float] = []  # of the pick at each task, before it was searched
+        self._regrets: dict[Task, float] = {}  # of the pick at each task, before it was searched
         self.gaits: list[str] = []  # their keys, since the name of one depends on which others there are
         self.labelled: set[str] = set()
         self._scalars, self._motions, self.tell = scalars, motions, tell
@@ -61,7 +63,8 @@ class MapInMaking:
         self._symmetry = map_symmetry(scenario)
         axes = {axis: values.values for axis, values in scenario.tasks.ranges.items()}
         everywhere = Domain(axes, np.ones(tuple(map(len, axes.values())), dtype=bool))
-        self.growth = Growth(self._problem, NodeSolver(self._problem, [], each), everywhere)
+        solver = NodeSolver(self._problem, [], each)
+        self.growth = Growth(self._problem, solver, everywhere, on_node=lambda nodes: tell(f"{nodes} nodes"))
         self._solver = FixedGaitSolver(self._problem, scenario.strategy.solve_time_limit)
 
     @property
@@ -70,21 +73,30 @@ class MapInMaking:
         return self.growth.reached
 
     @property
+    def known(self) -> list[Task]:
+        """The searched tasks and those of which their mirror images tell."""
+        return [*self.tasks, *images_of(self.tasks)] if has_images(self.scenario) else list(self.tasks)
+
+    @property
     def places(self) -> Array:
-        """[n, a] where the searched tasks are."""
-        return np.array([task.on(self.scenario.tasks.ranges) for task in self.tasks])
+        """[n, a] where the known tasks are."""
+        return np.array([task.on(self.scenario.tasks.ranges) for task in self.known])
+
+    @property
+    def regrets(self) -> Array:
+        """[n] what the picks at the known tasks had cost too much before they were searched."""
+        return np.array([self._regrets.get(task, self._regrets.get(task.mirrored(), 0.0)) for task in self.known])
 
     def take(self, tasks: Sequence[Task], verdicts: Sequence[Verdict]) -> None:
         """Make the map from some more searched tasks, too; `verdicts` are of the picks there before."""
         tolerance, legs = self.scenario.learning.tie_tolerance, self.scenario.robot.leg_names
-        known = {verdict.task: verdict for verdict in verdicts}
-        self.regrets += [known[task].excess if task in known else 0.0 for task in tasks]
+        self._regrets |= {verdict.task: verdict.excess for verdict in verdicts}
         before, self.tasks = self.tasks, [*self.tasks, *tasks]
         self._rows = pd.concat([self._rows, self._scalars(tasks)], ignore_index=True)
         costs = gait_costs(self._rows, legs)
-        competing = set(costs.loc[costs["excess"] <= NEARLY_BEST, "gait_key"])
+        competing = set(costs.loc[costs["excess"] <= nearly_best(len(self.growth.grid)), "gait_key"])
         self.gaits += sorted(competing - set(self.gaits))
-        labels = label_tasks(costs, self.tasks, tolerance, self.scenario.transcription.knots_per_phase)
+        labels = label_tasks(costs, self.known, tolerance, self.scenario.transcription.knots_per_phase)
         keys = dict(zip(costs["gait"], costs["gait_key"], strict=True))
         self.labelled = {keys[name] for name in labels.loc[labels["status"] == "solved", "label"]}
         taken = [pattern.text for pattern in self.growth.solver.patterns]
