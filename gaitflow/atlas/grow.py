@@ -15,6 +15,7 @@ from itertools import product
 
 import numpy as np
 
+from gaitflow.atlas.mirror import NodeImages
 from gaitflow.atlas.node import Each, Node, NodeSolver, Place, Request
 from gaitflow.core.domain import Domain
 from gaitflow.core.gaits import Pattern
@@ -34,7 +35,10 @@ AT_ONCE = 64  # nodes that are solved side by side before anyone hears how far i
 
 @dataclass
 class Growth:
-    """Nodes by pattern and place inside the domain, and the least cost that is known at each place."""
+    """Nodes by pattern and place inside the domain, and the least cost that is known at each place.
+
+    `images` makes the nodes of a pattern's mirror image from its own, where a map has them.
+    """
 
     problem: GaitProblem
     solver: NodeSolver
@@ -42,6 +46,7 @@ class Growth:
     nodes: list[dict[Place, Node]] = field(init=False)
     best: dict[Place, float] = field(default_factory=dict)
     on_node: Callable[[int], None] = lambda nodes: None
+    images: NodeImages | None = None
     _starts: list[dict[Place, Prediction]] = field(init=False)
     _fringe: deque[tuple[int, Place]] = field(default_factory=deque)
 
@@ -87,11 +92,29 @@ class Growth:
         known = self.nodes[sheet].get(node.place)
         if known is not None and node.cost >= known.cost * (1 - CHEAPER):
             return False
-        self.nodes[sheet][node.place] = node
-        self.best[node.place] = min(node.cost, self.best.get(node.place, np.inf))
+        self._store(sheet, node)
         self._fringe.append((sheet, node.place))
+        self._store_image(sheet, node)
         self.on_node(sum(map(len, self.nodes)))
         return True
+
+    def _store(self, sheet: int, node: Node) -> None:
+        self.nodes[sheet][node.place] = node
+        self.best[node.place] = min(node.cost, self.best.get(node.place, np.inf))
+
+    def _store_image(self, sheet: int, node: Node) -> None:
+        """Store a node's image, if that is of another pattern that there is: it spreads as the node does."""
+        if self.images is None:
+            return
+        patterns, methods = self.solver.patterns, self.solver.methods
+        image = self.images.pattern(patterns[sheet])
+        if image == patterns[sheet] or image not in patterns:
+            return
+        other = patterns.index(image)
+        found = self.images.node(node, patterns[sheet], methods[sheet].space, methods[other].space)
+        known = self.nodes[other].get(found.place)
+        if self.inside(found.place) and (known is None or found.cost < known.cost * (1 - CHEAPER)):
+            self._store(other, found)
 
     def sow(self, solutions: Iterable[Solution]) -> None:
         """Nodes from the solved tasks that are not held out, where a pattern is competitive."""

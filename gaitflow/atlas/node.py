@@ -61,7 +61,7 @@ class NodeSolver:
         self.methods: tuple[InteriorPoint, ...] = ()
         self.solves = 0
         self._each = each
-        self._problem = problem
+        self.problem = problem
         self._scenario = problem.scenario.as_data()
         self._space = problem.scenario.tasks.space
         self._columns = [AXIS_NAMES.index(axis) for axis in self._space.ranged]
@@ -71,7 +71,7 @@ class NodeSolver:
 
     def extend(self, patterns: Sequence[Pattern]) -> None:
         """Take in more patterns, numbered after those that there are."""
-        bounds = [self._problem.bounds(pattern) for pattern in patterns]
+        bounds = [self.problem.bounds(pattern) for pattern in patterns]
         self.patterns += tuple(patterns)
         self.methods += tuple(
             InteriorPoint(self._program, GaitSpace(each.lower, each.upper, each.lower_rows, each.upper_rows))
@@ -157,7 +157,7 @@ class NodeSolver:
         if not (optimum.converged and optimum.cost > 0):
             return False
         task = self._space.task(dict(zip(self._space.ranged, place, strict=True)))
-        trajectory = self._problem.layout.unpack(optimum.w, task.cycle_duration)
+        trajectory = self.problem.layout.unpack(optimum.w, task.cycle_duration)
         return check.worst(self._scenario, trajectory, task, self.patterns[sheet].text) <= check.FEASIBLE
 
 

@@ -25,6 +25,8 @@ POSITION = np.array([1.0, -1.0, 1.0])
 BASE = np.concatenate([POSITION, -POSITION] * 2)  # position, yaw, pitch and roll, and their rates: y and pitch differ
 SAME = 1e-9  # relative to the largest: numbers that differ by rounding
 
+Places = tuple[NDArray[np.intp], Array]  # for each number where its image is, and its sign there
+
 
 def has_images(scenario: Scenario) -> bool:
     """Whether the images of a map's tasks are other tasks of the same map.
@@ -68,17 +70,16 @@ class MirrorImage:
         return image if one.multipliers is None else replace(image, multipliers=self.multipliers(one.multipliers))
 
     def known(self, rows: Iterable[Solution]) -> Iterator[Solution]:
-        """The images as growth needs them: of a gait that is its own, only that the pattern costs the same there.
+        """What rows tell of their images' tasks, without motions; nothing, where a task is its own image.
 
-        That image's pattern is the same motion cut elsewhere, and would have nodes of its own for nothing. Rows of a
-        task that is its own image are left out.
+        A gait that is its own image costs the same there by the same pattern: the image's is only cut elsewhere.
         """
         for one in rows:
-            image = self.of(one)
+            image = self.scalars(one)
             if image.task == one.task:
                 continue
             own = gait_of(Pattern.from_text(one.pattern), self.scenario.symmetry(image.task)).text
-            yield replace(image, pattern=one.pattern, trajectory=None, multipliers=None) if image.gait == own else image
+            yield replace(image, pattern=one.pattern) if image.gait == own else image
 
     def trajectory(self, motion: Trajectory) -> Trajectory:
         """The image of a motion in space."""
@@ -91,7 +92,7 @@ class MirrorImage:
 
     def multipliers(self, known: Multipliers) -> Multipliers:
         """The image's multipliers: each belongs to the image of its variable or row."""
-        (variables, rows), result = self._places, []
+        (variables, rows), result = self.places, []
         for values, (place, sign) in ((known.bounds, variables), (known.rows, rows)):
             moved = np.empty_like(values)
             moved[place] = sign * values
@@ -103,7 +104,7 @@ class MirrorImage:
         return transcribe(self.scenario)
 
     @cached_property
-    def _places(self) -> tuple[_Places, _Places]:
+    def places(self) -> tuple[Places, Places]:
         """Where the image of each variable and row is, and with which sign: found by their values somewhere."""
         layout, nlp = self._problem.layout, self._problem.nlp
         task = self.scenario.tasks.space.task(
@@ -120,10 +121,7 @@ class MirrorImage:
         return _places(w, image), _places(rows, of_image)
 
 
-_Places = tuple[NDArray[np.intp], Array]
-
-
-def _places(before: Array, after: Array) -> _Places:
+def _places(before: Array, after: Array) -> Places:
     """For each value the place of the same number, but for its sign, and that sign.
 
     Raises ValueError unless both have the same numbers.

@@ -12,17 +12,18 @@ from gaitflow.atlas.compress import build_atlas, cost_atlas
 from gaitflow.atlas.fill import LIMIT, fill
 from gaitflow.atlas.grow import Growth
 from gaitflow.atlas.judge import Predictions, judge_predictions
+from gaitflow.atlas.mirror import NodeImages
 from gaitflow.atlas.node import Each, NodeSolver
 from gaitflow.atlas.patterns import full_patterns, map_symmetry, nearly_best
 from gaitflow.atlas.settle import known_costs, settle
 from gaitflow.certificate.judge import DEARER, Verdict, judge_picks
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.domain import Domain
-from gaitflow.core.gaits import Pattern
+from gaitflow.core.gaits import Pattern, gait_of
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.dataset.labels import gait_costs, label_tasks
-from gaitflow.dataset.mirror import has_images, images_of
+from gaitflow.dataset.mirror import MirrorImage, has_images, images_of
 from gaitflow.problem import transcribe
 from gaitflow.runtime.atlas import Atlas
 from gaitflow.search.attempts import best_of, until_feasible
@@ -65,6 +66,8 @@ class MapInMaking:
         everywhere = Domain(axes, np.ones(tuple(map(len, axes.values())), dtype=bool))
         solver = NodeSolver(self._problem, [], each)
         self.growth = Growth(self._problem, solver, everywhere, on_node=lambda nodes: tell(f"{nodes} nodes"))
+        if has_images(scenario):
+            self.growth.images = NodeImages(MirrorImage(scenario), tuple(axes))
         self._solver = FixedGaitSolver(self._problem, scenario.strategy.solve_time_limit)
 
     @property
@@ -104,15 +107,28 @@ class MapInMaking:
         patterns = full_patterns(
             self._rows, costs, [names[key] for key in self.gaits], tolerance, self._symmetry, taken
         )
-        new = [pattern for pattern in patterns if pattern not in taken]
+        new = self._with_images([pattern for pattern in patterns if pattern not in taken])
         self.growth.extend([Pattern.from_text(pattern) for pattern in new])
-        self._numbers += [self.gaits.index(keys[patterns[pattern]]) for pattern in new]
+        self._numbers += [self.gaits.index(self._gait_of(Pattern.from_text(pattern))) for pattern in new]
         if new and before:
             self.growth.sow(one for one in self._motions(before) if one.pattern in new)
         self.growth.sow(self._motions(tasks))
         self.tell("gaits spread over the grid")
         self.growth.spread()
         self._costs = costs
+
+    def _gait_of(self, pattern: Pattern) -> str:
+        return gait_of(pattern, self._symmetry).text
+
+    def _with_images(self, patterns: Sequence[str]) -> list[str]:
+        """Patterns that are new to the growth, and the images of those whose gait is not its own."""
+        images, found = self.growth.images, dict.fromkeys(patterns)
+        for pattern in map(Pattern.from_text, patterns if images else ()):
+            assert images is not None
+            image = images.pattern(pattern)
+            if self._gait_of(image) != self._gait_of(pattern) and image not in self.growth.solver.patterns:
+                found[image.text] = None
+        return list(found)
 
     def fill(self) -> int:
         """Nodes where predictions fail or mistake a gait; at how many searched tasks the pick is still another one."""
