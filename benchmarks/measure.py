@@ -16,7 +16,7 @@ from benchmarks.hostile import bench as hostile
 from benchmarks.infrastructure import faults, overhead, scale, speedup, store
 from benchmarks.online import cpp, map, online, select
 from benchmarks.paper import discovery, minlp, phases, ranking, stances, table1, table2
-from benchmarks.search import certificate, mesh, referee, scaling
+from benchmarks.search import certificate, mesh, referee, sampling, scaling
 from benchmarks.search.tasks import task_of
 from gaitflow.config.cluster import Profile
 from gaitflow.config.scenario import Scenario
@@ -69,6 +69,7 @@ def measure(
         "phases": partial(_phases, workspace, scenario),
         "ranking": lambda: ranking.run(scenario, load_solutions(workspace.run(scenario).solutions)),
         "referee": lambda: referee.run(scenario, seed=seed, runs=runs, **own),
+        "sampling": lambda: sampling.run(scenario, workspace.run(scenario), runs),
         "scale": lambda: scale.run(scenario, runs=runs, **own),
         "scaling": partial(_scaling, workspace, tasks or 10, seed),
         "select": lambda: select.run(resolve(workspace.models / scenario.name), seed=seed),

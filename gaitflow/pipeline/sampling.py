@@ -6,12 +6,11 @@ interrupted sampling repeats its rounds from the store, without a search, and go
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from gaitflow.atlas.node import Each
 from gaitflow.certificate.bound import chances_of, tasks_needed
@@ -21,20 +20,16 @@ from gaitflow.certificate.judge import Verdict
 from gaitflow.config.scenario import Scenario
 from gaitflow.config.tasks import tasks_of
 from gaitflow.core.task import Task
-from gaitflow.dataset.mirror import MirrorImage, has_images
 from gaitflow.files import atomic_write
 from gaitflow.pipeline.atlas_record import atlas_record
 from gaitflow.pipeline.json_file import read_json, write_json
+from gaitflow.pipeline.searched import motions_of, scalars_of
 from gaitflow.pipeline.workspace import Run
 from gaitflow.runtime.atlas_file import atlas_bytes
 from gaitflow.sampling.doubt import next_places
 from gaitflow.sampling.making import MapInMaking
 from gaitflow.sampling.rounds import Kind, Round, rounds_from, task_at
-from gaitflow.search.solution import Solution
 from gaitflow.store.parts import UnitStore
-from gaitflow.store.units import plan_cold
-from gaitflow.tables.schema import scalar_columns, solution_schema
-from gaitflow.tables.solutions import solutions_to_table, table_to_solutions
 
 if TYPE_CHECKING:
     from gaitflow.execute.display import Tell
@@ -55,7 +50,8 @@ def sample(run: Run, scenario: Scenario, search: Search, tell: Tell, each: Each 
     sampling, space = scenario.tasks.adaptive, scenario.tasks.space
     assert sampling is not None, "a scenario whose tasks are a grid has no rounds"
     rounds = rounds_from(read_json(run.rounds), space) if run.rounds.exists() else []
-    making = MapInMaking(scenario, _scalars(run, scenario), _motions(run, scenario), tell, each)
+    store = UnitStore(run.folder)
+    making = MapInMaking(scenario, scalars_of(store, scenario), motions_of(store, scenario), tell, each)
     steps = _Steps(making, sampling.seed)
     for number in range(sampling.most):  # no sampling has as many rounds, as each searches a task at least
         if number == len(rounds):
@@ -229,34 +225,3 @@ def chosen_tasks(run: Run, scenario: Scenario) -> list[Task]:
 
 def _write(run: Run, scenario: Scenario, rounds: Sequence[Round]) -> None:
     write_json(run.rounds, [one.as_data(scenario.tasks.space) for one in rounds])
-
-
-def _scalars(run: Run, scenario: Scenario) -> Callable[[Sequence[Task]], pd.DataFrame]:
-    store, columns = UnitStore(run.folder), scalar_columns(solution_schema(scenario.as_data()).names)
-    image = MirrorImage(scenario) if has_images(scenario) else None
-
-    def read(tasks: Sequence[Task]) -> pd.DataFrame:
-        frames = []
-        for unit in plan_cold(scenario, tasks) if tasks else []:
-            table = store.read(unit)
-            frames.append(table.select(columns).to_pandas())
-            if image is not None:
-                rows = list(image.known(table_to_solutions(table, scenario.as_data())))
-                frames.append(solutions_to_table(rows, scenario.as_data()).select(columns).to_pandas())
-        return pd.concat(frames, ignore_index=True) if frames else pd.DataFrame(columns=columns)
-
-    return read
-
-
-def _motions(run: Run, scenario: Scenario) -> Callable[[Sequence[Task]], Iterator[Solution]]:
-    store = UnitStore(run.folder)
-    image = MirrorImage(scenario) if has_images(scenario) else None
-
-    def read(tasks: Sequence[Task]) -> Iterator[Solution]:
-        for unit in plan_cold(scenario, tasks):
-            rows = list(table_to_solutions(store.read(unit), scenario.as_data()))
-            yield from rows
-            if image is not None:
-                yield from image.known(rows)
-
-    return read
