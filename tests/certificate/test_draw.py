@@ -24,6 +24,17 @@ def test_only_what_lies_inside_is_drawn() -> None:
     assert np.mean([task.speed for task in tasks]) == pytest.approx(0.5, abs=0.1), "equally likely anywhere in it"
 
 
+def test_a_hole_in_the_domain_is_left_out() -> None:
+    feasible = np.ones((5, 5), dtype=bool)
+    feasible[2, 2] = False
+    axes = {"speed": (0.0, 0.5, 1.0, 1.5, 2.0), "cycle_duration": (0.4, 0.5, 0.6, 0.7, 0.8)}
+    holed = Domain(axes, feasible)
+    tasks = draw_tasks(holed, SPACE, 300, 1, "held_out")
+    in_hole = [task for task in tasks if 0.5 < task.speed < 1.5 and 0.5 < task.cycle_duration < 0.7]
+    assert not in_hole and all(holed.contains(task) for task in tasks)
+    assert min(task.speed for task in tasks) < 0.1 and max(task.speed for task in tasks) > 1.9, "all around it"
+
+
 def test_more_tasks_go_on_where_fewer_ended() -> None:
     whole = domain([[True, True]] * 3)
     first = draw_tasks(whole, SPACE, 5, 7, "sampled")
