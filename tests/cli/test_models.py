@@ -39,7 +39,7 @@ def test_a_map_does_not_differ_from_itself(checkout: Path) -> None:
 
 def test_maps_are_asked_where_both_answer_and_each_says_what_the_others_gait_costs(checkout: Path) -> None:
     """One map ranges over slopes, the other holds the slope at 0."""
-    first, second = (checkout / "models" / f"half-cheetah-exact-{name}" for name in ("slopes", "vibration"))
+    first, second = (checkout / f"models/half-cheetah-exact-{name}/1.1.0" for name in ("slopes", "vibration"))
     found = json.loads(models(checkout, "diff", first, second, "--json").stdout)
     maps = GaitMap.load(first), GaitMap.load(second)
     assert found["tasks"] > 84 and found["disagreements"]

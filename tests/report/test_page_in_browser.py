@@ -28,7 +28,7 @@ PHONE = 390  # px
 @pytest.fixture(scope="module")
 def file(checkout: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("report")
-    model = version_folder(checkout / "models/half-cheetah-exact-slopes")
+    model = version_folder(checkout / "models/half-cheetah-exact-slopes/1.1.0")  # searched on a grid
     write_map_report(folder, model, dataset_of_map(model, checkout / "datasets"))
     return folder / "index.html"
 
