@@ -66,7 +66,9 @@ def run(scenario: Scenario, run: Run, runs: Path) -> Row:
         search(judges)
         chosen = [one.tasks for one in rounds if not set(one.tasks) <= set(judges)]
         steps = [tuple(chain.from_iterable(chosen[: number + 1])) for number in range(len(chosen))]
-        maps = [("adaptive", tasks) for tasks in steps] + [("grid", _grid(adaptive, fine)) for fine in FINENESS]
+        maps = [("adaptive", tasks) for tasks in _doubling(steps)] + [
+            ("grid", _grid(adaptive, fine)) for fine in FINENESS
+        ]
         tasks_of = {(way, len(tasks)): tasks for way, tasks in maps}
 
         def judged(key: Row) -> Row:
@@ -77,6 +79,15 @@ def run(scenario: Scenario, run: Run, runs: Path) -> Row:
 
         made = rows.rows([{"way": way, "searched": searched} for way, searched in tasks_of], judged)
     return document("sampling", scenario.name, made, _summary(made), NOTES)
+
+
+def _doubling(steps: Sequence[tuple[Task, ...]]) -> list[tuple[Task, ...]]:
+    """The first of growing sets of tasks, those that are twice as many as the one before, and the last."""
+    taken = [steps[0]]
+    for tasks in steps[1:]:
+        if len(tasks) >= 2 * len(taken[-1]) or tasks is steps[-1]:
+            taken.append(tasks)
+    return taken
 
 
 def _adaptive(scenario: Scenario) -> Scenario:

@@ -1,4 +1,7 @@
-"""What the published maps plan at a few random tasks of their domains, recorded; run as a script to record it anew."""
+"""What the published maps plan at a few random tasks of their domains, recorded.
+
+Run as a script it records versions that are new; without the file, all of them.
+"""
 
 from __future__ import annotations
 
@@ -63,4 +66,7 @@ def record(folder: Path) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    GOLDEN.write_text(json.dumps({name: record(folder) for name, folder in published().items()}, indent=1) + "\n")
+    known = golden() if GOLDEN.exists() else {}
+    kept = {name: one for name, one in known.items() if published().get(name, Path()).name == one["version"]}
+    made = {name: kept.get(name) or record(folder) for name, folder in published().items()}
+    GOLDEN.write_text(json.dumps(made, indent=1) + "\n")

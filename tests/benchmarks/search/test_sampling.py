@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.search.sampling import _adaptive, _grid, _summary
+from benchmarks.search.sampling import _adaptive, _doubling, _grid, _summary
 from gaitflow.config.scenario import load_scenario
 
 SCENARIOS = Path(__file__).parents[3] / "configs/scenarios"
@@ -32,3 +32,10 @@ def test_the_fewest_searches_of_each_way_are_told() -> None:
     ]
     assert _summary(rows) == {"bound": 0.02, "searched_adaptive": 24, "searched_grid": 60}
     assert _summary(rows[:3])["searched_grid"] is None
+
+
+def test_maps_are_judged_where_their_searches_have_doubled() -> None:
+    task = _grid(_adaptive(load_scenario(SCENARIOS / "half-cheetah-exact-vibration.yaml")), 0.4)[0]
+    steps = [(task,) * number for number in (32, 48, 64, 80, 96)]
+    assert [len(tasks) for tasks in _doubling(steps)] == [32, 64, 96]
+    assert [len(tasks) for tasks in _doubling(steps[:1])] == [32]
