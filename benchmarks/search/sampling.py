@@ -35,7 +35,7 @@ from gaitflow.store.units import plan_cold
 from gaitflow.tables.solutions import table_to_solutions
 
 WORKERS = 2
-FINENESS = (0.4, 0.55, 0.75, 1.0)  # of the grids, relative to the scenario's own
+FINENESS = (0.25, 0.4, 0.55, 0.75, 1.0)  # of the grids, relative to the scenario's own, until one has no dearer pick
 NOTES = (
     "searched: the tasks that a map is made from. judged: fresh tasks inside its domain. dearer: at how many of them "
     "its pick costs more than 1 % above the best that a search finds, or has no motion. bound: the share of the "
@@ -66,9 +66,8 @@ def run(scenario: Scenario, run: Run, runs: Path) -> Row:
         search(judges)
         chosen = [one.tasks for one in rounds if not set(one.tasks) <= set(judges)]
         steps = [tuple(chain.from_iterable(chosen[: number + 1])) for number in range(len(chosen))]
-        maps = [("adaptive", tasks) for tasks in _doubling(steps)] + [
-            ("grid", _grid(adaptive, fine)) for fine in FINENESS
-        ]
+        grids = [("grid", _grid(adaptive, fine)) for fine in FINENESS]
+        maps = [*grids, *(("adaptive", tasks) for tasks in _doubling(steps))]
         tasks_of = {(way, len(tasks)): tasks for way, tasks in maps}
 
         def judged(key: Row) -> Row:
@@ -77,7 +76,10 @@ def run(scenario: Scenario, run: Run, runs: Path) -> Row:
             making = MapInMaking(adaptive, scalars_of(store, adaptive), motions_of(store, adaptive), tell, each)
             return _judged(making, tasks, judges)
 
-        made = rows.rows([{"way": way, "searched": searched} for way, searched in tasks_of], judged)
+        made = list[Row]()
+        for way, searched in tasks_of:
+            if way == "adaptive" or not any(row["dearer"] == 0 for row in made):  # a finer grid would add nothing
+                made += rows.rows([{"way": way, "searched": searched}], judged)
     return document("sampling", scenario.name, made, _summary(made), NOTES)
 
 
