@@ -40,7 +40,8 @@ NOTES = (
     "searched: the tasks that a map is made from. judged: fresh tasks inside its domain. dearer: at how many of them "
     "its pick costs more than 1 % above the best that a search finds, or has no motion. bound: the share of the "
     "domain's tasks with a dearer pick, at most, with 95 % confidence (Clopper and Pearson, of this row alone).",
-    "All maps are made alike: gaits spread, nodes where predictions fail, nodes where the pick is not the search's.",
+    "All maps are made alike: gaits spread over the scenario's grid by continuation, and get nodes where the pick is "
+    "not the search's. Published maps have nodes where predictions fail, too, which take longer than these searches.",
 )
 
 
@@ -127,7 +128,7 @@ def _grid(scenario: Scenario, fineness: float) -> tuple[Task, ...]:
 def _judged(making: MapInMaking, tasks: Sequence[Task], judges: Sequence[Task]) -> Row:
     """One map: made from searched tasks, and its picks at others."""
     making.take(tasks, [])
-    making.fill()
+    making.settle()
     inside = [task for task in judges if making.domain.contains(task)]
     dearer = sum(verdict.dearer for verdict in making.judge(inside))
     return {

@@ -122,7 +122,8 @@ class _Steps:
             self._drawn, self._verdicts = [], []
         if kind == "certificate":
             self._certificates += 1
-            self.missed = self._making.fill()
+            self._making.fill()
+            self.missed = self._making.settle()
 
     def tasks_of(self, kind: Kind, left: int) -> list[Task]:
         """The tasks of a round of a kind that was begun, `left` at most."""

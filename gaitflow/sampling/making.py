@@ -130,16 +130,19 @@ class MapInMaking:
                 found[image.text] = None
         return list(found)
 
-    def fill(self) -> int:
-        """Nodes where predictions fail or mistake a gait; at how many searched tasks the pick is still another one."""
-        tolerance = self.scenario.learning.tie_tolerance
+    def fill(self) -> None:
+        """Nodes where predictions fail or mistake a gait."""
 
         def on_test(done: int, most: int) -> None:
             self.tell(f"test {done} of {most}")
 
         with self._inside():
-            fill(self.growth, self.built, tolerance, on_test=on_test)
-            known = known_costs(self._costs, "gait_key", self.gaits, self.scenario.tasks.space.ranged)
+            fill(self.growth, self.built, self.scenario.learning.tie_tolerance, on_test=on_test)
+
+    def settle(self) -> int:
+        """Nodes where the pick is not the search's; at how many known tasks it still is another one."""
+        known = known_costs(self._costs, "gait_key", self.gaits, self.scenario.tasks.space.ranged)
+        with self._inside():
             return settle(self.growth, self._numbers, known, DEARER, self.tell)
 
     def costs_atlas(self) -> Atlas:
