@@ -104,3 +104,41 @@ def test_a_box_without_a_motion_is_one_line(tmp_path: Path) -> None:
     )  # fmt: skip
     assert done.returncode == 1 and "Traceback" not in done.stderr
     assert "none of the 2 tasks that were searched has a motion" in done.stderr.splitlines()[-1]
+
+
+TURNING = """\
+name: turning-small
+robot: anymal
+objective: {force: 1.0e-2, tangential_velocity: 1.0e+6, normal_velocity: 1.0e+6, tilt: 1.0e+6, tilt_rate: 1.0e+6}
+transcription: {knots_per_phase: 4, min_phase_fraction: 0.2}
+stances_per_leg: 1
+tasks:
+  axes: {speed: 0.5, yaw_rate: {start: -0.8, stop: 0.8, count: 3}, cycle_duration: {start: 0.5, stop: 0.7, count: 2}}
+  sampling: {start: 3, each: 2, most: 20, dearer: 0.6, infeasible: 0.6}
+strategy: {name: guided, restarts: 1, budget: 12}
+learning: {methods: [knn]}
+limits: {regret_mean: 1.0}
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+def test_a_map_that_is_its_own_image_learns_twice_from_a_search(tmp_path: Path) -> None:
+    (tmp_path / "small.yaml").write_text(TURNING)
+    for stage in ("solve", "label", "atlas", "train"):
+        gaitflow(tmp_path, stage, "small.yaml")
+    gaitflow(tmp_path, "publish", "small.yaml", "--force")
+    run = tmp_path / "runs" / "turning-small"
+    rounds = read(run / "sampling" / "rounds.json")
+    searched = sum(len(one["tasks"]) for one in rounds if one["kind"] in ("start", "doubt"))
+    rows = pq.read_table(run / "solutions.parquet").to_pandas()
+    made_from = rows[rows["split"] == "sampled"]
+    images = made_from[made_from["start"] == "mirror image"]
+    assert len(made_from[["yaw_rate", "cycle_duration"]].drop_duplicates()) == 2 * searched
+    assert len(images) == len(made_from) / 2 and not images["solves"].any()
+    solved = made_from[made_from["start"] != "mirror image"]
+    assert sorted(images["cost"].dropna()) == sorted(solved["cost"].dropna())
+    gait_map = GaitMap.load(tmp_path / "models" / "turning-small")
+    for yaw_rate, cycle in ((0.3, 0.55), (0.7, 0.65)):
+        left, right = (gait_map.plan(yaw_rate=way * yaw_rate, cycle_duration=cycle) for way in (1, -1))
+        assert left.feasible and right.feasible and right.cost == pytest.approx(left.cost, rel=1e-3)
