@@ -32,19 +32,32 @@ def node_processes(scenario: Scenario, workers: int) -> Iterator[Each | None]:
         return
     text = json.dumps(scenario.as_data())
     spawn = multiprocessing.get_context("spawn")  # the caller may have threads
-    with ProcessPoolExecutor(workers, spawn, _begin, (os.getpid(),)) as pool:
+    with ProcessPoolExecutor(workers, spawn, die_with, (os.getpid(),)) as pool:
 
         def each(method: str, calls: Sequence[tuple[Pattern, Sequence[Any]]]) -> list[Any]:
             share = max(len(calls) // (PARTS * workers), 1)
-            return list(pool.map(functools.partial(_call, text, method), calls, chunksize=share))
+            with _starting():
+                results = pool.map(functools.partial(_call, text, method), calls, chunksize=share)
+            return list(results)
 
         yield each
 
 
-def _begin(parent: int) -> None:
-    die_with(parent)
+@contextmanager
+def _starting() -> Iterator[None]:
+    """What processes inherit that are started now: one thread of algebra; and a Ctrl-C is the parent's to handle."""
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    own = {name: os.environ.get(name) for name in ONE_THREAD}
     os.environ.update(ONE_THREAD)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal's Ctrl-C is the parent's to handle
+    try:
+        yield
+    finally:
+        for name, value in own.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 def _call(scenario: str, method: str, call: tuple[Pattern, Sequence[Any]]) -> Any:
