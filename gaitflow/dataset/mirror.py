@@ -115,6 +115,9 @@ class MirrorImage:
         )
         w = np.random.default_rng(0).uniform(0.1, 1.0, layout.nw)
         image = layout.pack(self.trajectory(layout.unpack(w, task.cycle_duration)), task.cycle_duration)
+        if layout.energy:  # which leg stands when is in w, and in no trajectory
+            for leg, partner in enumerate(self.scenario.robot.mirror_permutation):
+                image[layout.contacts(leg)] = w[layout.contacts(partner)]
         rows, of_image = (
             np.asarray(nlp(at, each.parameters)[1]).ravel() for at, each in ((w, task), (image, task.mirrored()))
         )

@@ -92,6 +92,21 @@ def test_the_image_of_an_image_is_what_it_was_made_from() -> None:
     np.testing.assert_array_equal(again.multipliers.bounds, one.multipliers.bounds)
 
 
+def test_places_of_images_are_found_where_the_objective_is_energy() -> None:
+    """There which leg stands in which phase is in the decision vector, too."""
+    energy = load_scenario(SCENARIO.with_name("anymal-energy.yaml"))
+    settings = energy.transcription.model_copy(update={"knots_per_phase": 3})
+    one = energy.model_copy(update={"tasks": scenario().tasks, "transcription": settings})
+    layout = transcribe(one).layout
+    assert layout.energy
+    for place, sign in MirrorImage(one).places:
+        np.testing.assert_array_equal(place[place], np.arange(len(place)))  # the image of an image is what it was
+        np.testing.assert_array_equal(sign * sign[place], np.ones(len(place)))
+    variables, _ = MirrorImage(one).places
+    left, right = (np.arange(layout.nw)[layout.contacts(leg)] for leg in (0, 1))
+    np.testing.assert_array_equal(variables[0][left], right)
+
+
 def test_a_gait_that_is_its_own_image_is_known_by_its_own_pattern() -> None:
     image = MirrorImage(scenario())
     trot, walk = image.known([solved(TROT), solved(WALK)])
