@@ -25,7 +25,7 @@ def scalars_of(store: UnitStore, scenario: Scenario) -> Callable[[Sequence[Task]
     def read(tasks: Sequence[Task]) -> pd.DataFrame:
         frames = []
         for unit in plan_cold(scenario, tasks) if tasks else []:
-            table = store.read(unit)
+            table = store.read(unit, columns=columns if image is None else None)
             frames.append(table.select(columns).to_pandas())
             if image is not None:
                 rows = list(image.known(table_to_solutions(table, data)))
