@@ -72,6 +72,7 @@ def cost_atlas(growth: Growth, gaits: Sequence[int]) -> Atlas:
                     coordinates=np.zeros((len(ordered), 0), dtype=np.float32),
                     tangents=np.zeros((*places.shape, 0), dtype=np.float32),
                     tear=0.0,
+                    infeasible=growth.infeasible_places(number),
                 )
             )
     return Atlas(tuple(growth.domain.axes), growth.steps, BARRIER, tuple(sheets))
@@ -81,8 +82,8 @@ def cost_atlas(growth: Growth, gaits: Sequence[int]) -> Atlas:
 class _Analysed:
     """A pattern's nodes in weighted numbers: points [n, ny], tangents [n, a, ny], and all their modes [m, ny].
 
-    sizes [m]: what each mode explains of the squares of all nodes, largest first. bounds: how many numbers impose the
-    pattern.
+    sizes [m]: what each mode explains of the squares of all nodes, largest first. kept: how many numbers impose the
+    pattern and say where it has no motion.
     """
 
     places: Array
@@ -93,7 +94,7 @@ class _Analysed:
     tangents: Array
     modes: Array
     sizes: Array
-    bounds: int
+    kept: int
 
     @property
     def mode_bytes(self) -> int:
@@ -102,8 +103,8 @@ class _Analysed:
 
     @property
     def other_bytes(self) -> int:
-        """What is there without any mode: bounds, mean, for every node its place, cost and slopes; and their names."""
-        return 8 * self.bounds + 4 * len(self.weights) + 8 * (2 * self.places.size + len(self.places)) + NAMES
+        """What is there without any mode: what is kept, mean, for every node its place, cost and slopes; and names."""
+        return 8 * self.kept + 4 * len(self.weights) + 8 * (2 * self.places.size + len(self.places)) + NAMES
 
 
 def _analysed(growth: Growth, number: int) -> _Analysed:
@@ -118,8 +119,8 @@ def _analysed(growth: Growth, number: int) -> _Analysed:
     mean = points.mean(axis=0)
     points -= mean
     modes, sizes = _modes(points, tangents * growth.steps[:, None])
-    bounds = 2 * (len(space.lower) + len(space.lower_rows))
-    return _Analysed(places, pairs, weights, mean, points, tangents, modes, sizes, bounds)
+    kept = 2 * (len(space.lower) + len(space.lower_rows)) + growth.infeasible_places(number).size
+    return _Analysed(places, pairs, weights, mean, points, tangents, modes, sizes, kept)
 
 
 def _modes(points: Array, tangents: Array) -> tuple[Array, Array]:
@@ -176,6 +177,7 @@ def _sheet(growth: Growth, number: int, gait: int, sheet: _Analysed, modes: int)
         coordinates=coordinates.astype(np.float32),
         tangents=tangents.astype(np.float32),
         tear=_tear(sheet.pairs, sheet.places, coordinates, tangents),
+        infeasible=growth.infeasible_places(number),
     )
 
 

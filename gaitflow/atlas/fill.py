@@ -12,6 +12,7 @@ from itertools import pairwise, product
 
 import numpy as np
 
+from gaitflow.atlas.border import find_borders
 from gaitflow.atlas.grow import AT_ONCE, DECIMALS, Growth
 from gaitflow.atlas.node import Place
 from gaitflow.core.trajectory import Array
@@ -163,7 +164,10 @@ def _rivals(atlas: Atlas, asked: Array) -> tuple[int, list[int]]:
 
 
 def _add(growth: Growth, atlas: Atlas, sheets: Sequence[int], wrong: Sequence[tuple[int, Place]]) -> None:
-    """Nodes of sheets at places, (sheet, place) each, from its prediction or else from the nearest nodes."""
+    """Nodes of sheets at places, (sheet, place) each, from its prediction or else from the nearest nodes.
+
+    Where none leads to a motion there is none, and its border is looked for.
+    """
     starts = {
         (rival, place): [atlas.predict(rival, np.array(place)), *atlas.nearest(rival, np.array(place), 2)]
         for rival, place in wrong
@@ -180,3 +184,4 @@ def _add(growth: Growth, atlas: Atlas, sheets: Sequence[int], wrong: Sequence[tu
             (sheet, place) for (sheet, place, _), node in zip(requests, nodes, strict=True) if growth.keep(sheet, node)
         }
         starts = {(rival, place): each for (rival, place), each in left.items() if (sheets[rival], place) not in kept}
+    find_borders(growth, [(sheets[rival], place) for rival, place in starts])

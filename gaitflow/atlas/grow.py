@@ -45,6 +45,7 @@ class Growth:
     domain: Domain
     nodes: list[dict[Place, Node]] = field(init=False)
     best: dict[Place, float] = field(default_factory=dict)
+    infeasible: list[set[Place]] = field(init=False)  # places where no start led to a motion, by pattern
     on_node: Callable[[int], None] = lambda nodes: None
     images: NodeImages | None = None
     _starts: list[dict[Place, Prediction]] = field(init=False)
@@ -52,6 +53,7 @@ class Growth:
 
     def __post_init__(self) -> None:
         self.nodes = [{} for _ in self.solver.patterns]
+        self.infeasible = [set() for _ in self.solver.patterns]
         self._starts = [{} for _ in self.solver.patterns]
 
     @property
@@ -83,6 +85,7 @@ class Growth:
         """Take in more full patterns, numbered after those that there are."""
         self.solver.extend(patterns)
         self.nodes += [{} for _ in patterns]
+        self.infeasible += [set() for _ in patterns]
         self._starts += [{} for _ in patterns]
 
     def keep(self, sheet: int, node: Node | None) -> bool:
@@ -100,21 +103,41 @@ class Growth:
 
     def _store(self, sheet: int, node: Node) -> None:
         self.nodes[sheet][node.place] = node
+        self.infeasible[sheet].discard(node.place)
         self.best[node.place] = min(node.cost, self.best.get(node.place, np.inf))
 
     def _store_image(self, sheet: int, node: Node) -> None:
         """Store a node's image, if that is of another pattern that there is: it spreads as the node does."""
         if self.images is None:
             return
-        patterns, methods = self.solver.patterns, self.solver.methods
-        image = self.images.pattern(patterns[sheet])
-        if image == patterns[sheet] or image not in patterns:
+        patterns, methods, other = self.solver.patterns, self.solver.methods, self._image_of(sheet)
+        if other is None:
             return
-        other = patterns.index(image)
         found = self.images.node(node, patterns[sheet], methods[sheet].space, methods[other].space)
         known = self.nodes[other].get(found.place)
         if self.inside(found.place) and (known is None or found.cost < known.cost * (1 - CHEAPER)):
             self._store(other, found)
+
+    def _image_of(self, sheet: int) -> int | None:
+        """The pattern that is the mirror image of another one; None without images, or where it is that one itself."""
+        patterns = self.solver.patterns
+        image = patterns[sheet] if self.images is None else self.images.pattern(patterns[sheet])
+        return patterns.index(image) if image != patterns[sheet] and image in patterns else None
+
+    def give_up(self, sheet: int, place: Place) -> None:
+        """Take it that a pattern has no motion at a place, where it has no node, nor its image at that of the place."""
+        self._note_infeasible(sheet, place)
+        other = self._image_of(sheet)
+        if self.images is not None:
+            self._note_infeasible(sheet if other is None else other, self.images.place(place))
+
+    def _note_infeasible(self, sheet: int, place: Place) -> None:
+        if place not in self.nodes[sheet] and self.inside(place):
+            self.infeasible[sheet].add(place)
+
+    def infeasible_places(self, sheet: int) -> Array:
+        """Where a pattern has no motion [m, a], in their order."""
+        return np.array(sorted(self.infeasible[sheet]), dtype=float).reshape(-1, len(self.grid))
 
     def sow(self, solutions: Iterable[Solution]) -> None:
         """Nodes from the solved tasks that are not held out, where a pattern is competitive."""

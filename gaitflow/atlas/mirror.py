@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitflow.atlas.node import Node
+from gaitflow.atlas.node import Node, Place
 from gaitflow.core.gaits import Pattern
 from gaitflow.core.task import AXES
+from gaitflow.core.trajectory import Array
 from gaitflow.dataset.mirror import MirrorImage, Places
 from gaitflow.solvers.point import GaitSpace
 
@@ -27,9 +28,13 @@ class NodeImages:
         """The image of a pattern."""
         return pattern.mirrored(self.image.scenario.robot.mirror_permutation)
 
+    def place(self, place: Place) -> Place:
+        """The image of a place."""
+        return tuple((self._signs * place + 0.0).tolist())  # adding 0 turns -0 into 0
+
     def node(self, node: Node, pattern: Pattern, space: GaitSpace, of_image: GaitSpace) -> Node:
         """The image of a pattern's node; the spaces are the pattern's and that of its image."""
-        signs = np.array([-1.0 if AXES[axis].mirrored else 1.0 for axis in self.axes])
+        signs = self._signs
         pair = pattern, self.pattern(pattern)
         if pair not in self._places:
             self._places[pair] = _encoded(space, of_image, *self.image.places)
@@ -37,8 +42,12 @@ class NodeImages:
         point, tangents = np.empty_like(node.point), np.empty_like(node.tangents)
         point[place] = sign * node.point
         tangents[:, place] = signs[:, None] * sign * node.tangents
-        at = tuple((signs * node.place + 0.0).tolist())  # adding 0 turns -0 into 0
-        return Node(at, node.cost, signs * node.slopes, point, tangents)
+        return Node(self.place(node.place), node.cost, signs * node.slopes, point, tangents)
+
+    @property
+    def _signs(self) -> Array:
+        """What the values on each axis are multiplied by."""
+        return np.array([-1.0 if AXES[axis].mirrored else 1.0 for axis in self.axes])
 
 
 def _encoded(space: GaitSpace, of_image: GaitSpace, variables: Places, rows: Places) -> Places:

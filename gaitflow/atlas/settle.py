@@ -1,7 +1,7 @@
 """Where the atlas picks another gait than the search found best: the gaits that it mistakes get nodes there.
 
 At the tasks that were searched the costs of gaits are known. A gait without a node at a cliff is promised too cheap on
-its far side; what it truly costs there is a node, and where it has no motion there are nodes on the way to that place.
+its far side; what it truly costs there is a node, and where it has no motion its border is looked for.
 """
 
 from __future__ import annotations
@@ -11,13 +11,13 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 import pandas as pd
 
+from gaitflow.atlas.border import find_borders
 from gaitflow.atlas.compress import cost_atlas
-from gaitflow.atlas.grow import DECIMALS, Growth
+from gaitflow.atlas.grow import Growth
 from gaitflow.atlas.node import Place
 from gaitflow.runtime.atlas import Atlas
 
 ROUNDS = 4
-ON_THE_WAY = (1 / 2, 3 / 4, 7 / 8, 15 / 16)  # from the nearest node to a place where a gait has no motion
 
 Known = Mapping[Place, Mapping[int, float]]  # at each searched place the excess of each gait with a motion, by number
 
@@ -49,7 +49,7 @@ def settle(
     for number in range(ROUNDS):
         wrong = _mistakes(growth, gaits, known, tolerance)
         tell(f"other gaits than the search's at {len(wrong)} of {len(known)} tasks, round {number + 1}")
-        added = [_correct(growth, gaits, place, mistaken) for place, mistaken in wrong.items()]
+        added = [_correct(growth, gaits, place, pair, known[place]) for place, pair in wrong.items()]
         if not any(added):
             return len(wrong)
         growth.spread()
@@ -71,13 +71,14 @@ def _mistakes(growth: Growth, gaits: Sequence[int], known: Known, tolerance: flo
     return {place: pair for place, pair in found.items() if pair}
 
 
-def _correct(growth: Growth, gaits: Sequence[int], place: Place, mistaken: Sequence[int]) -> bool:
-    """Nodes of some gaits' sheets at a place, or as near to it as they have a motion; whether any is new."""
+def _correct(
+    growth: Growth, gaits: Sequence[int], place: Place, mistaken: Sequence[int], costs: Mapping[int, float]
+) -> bool:
+    """Nodes of some gaits' sheets at a place, or the border of one that has no motion there; whether any is new."""
     added = False
     for sheet, gait in enumerate(gaits):
         if gait in mistaken and growth.nodes[sheet]:
-            tried = [place, *_on_the_way(growth, sheet, place)]
-            added |= any(_node_at(growth, sheet, near) for near in tried)
+            added |= _node_at(growth, sheet, place) or (gait not in costs and find_borders(growth, [(sheet, place)]))
     return added
 
 
@@ -87,14 +88,3 @@ def _node_at(growth: Growth, sheet: int, place: Place) -> bool:
     return place not in growth.nodes[sheet] and any(
         growth.keep(sheet, growth.solver.node(sheet, place, start)) for start in starts if start is not None
     )
-
-
-def _on_the_way(growth: Growth, sheet: int, place: Place) -> list[Place]:
-    """Places from a sheet's node nearest to a place towards it."""
-    if place in growth.nodes[sheet]:
-        return []
-    asked = np.array(place)
-    nodes = np.array(sorted(growth.nodes[sheet]))
-    nearest = nodes[np.linalg.norm((nodes - asked) / growth.steps, axis=1).argmin()]
-    places = [nearest + share * (asked - nearest) for share in ON_THE_WAY]
-    return [tuple(round(float(x), DECIMALS) for x in each) for each in places]

@@ -24,7 +24,7 @@ from gaitflow.runtime.tensors import GaitTensors
 from gaitflow.solvers.point import GaitSpace
 
 MAGIC = b"gaitmap\n"
-FORMAT = 5
+FORMAT = 6
 _START = struct.Struct("<8sIIQ32s")  # magic, format, CRC-32 of all from byte 16 on, size of the file, digest
 
 
@@ -88,9 +88,9 @@ def _atlas(atlas: Atlas) -> Iterator[bytes]:
         yield counts(sheet.gait)
         yield text(sheet.pattern)
         yield from _space(sheet.space)
-        yield counts(len(sheet.tasks), *sheet.modes.shape)
+        yield counts(len(sheet.tasks), *sheet.modes.shape, len(sheet.infeasible))
         yield array([sheet.tear], "<f8")
-        yield from (array(each, "<f8") for each in (sheet.tasks, sheet.costs, sheet.slopes))
+        yield from (array(each, "<f8") for each in (sheet.tasks, sheet.infeasible, sheet.costs, sheet.slopes))
         yield from (array(each, "<f4") for each in (sheet.mean, sheet.modes, sheet.coordinates, sheet.tangents))
 
 

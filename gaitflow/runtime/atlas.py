@@ -17,6 +17,10 @@ task.
 4. With m = sum of w_i (p_i - x), by how much the nodes' centre is off x, the prediction is the sum of
    w_i (c_i - T_i (p_i - x + m) / 2).
 
+**Where a sheet is believed.** Its support is 1 - |m| / REACH, by distance alone, times the share of its nodes in the
+weights of nodes and of places where the pattern was tried and has no motion, weighed in the same way. A cost alone does
+not tell where a gait ends: up to a limit of the robot it hardly changes, and one step further there is no motion.
+
 With one node, 4 is its first-order prediction. Amid several it follows each tangent half of the way, which is nearly
 right to second order (m is small there), where whole tangents are only to first: they all err to the same side of a
 bent curve.
@@ -32,7 +36,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitflow.core.trajectory import Array
-from gaitflow.runtime.nearby import REACH, EveryNode, Near, weights_of
+from gaitflow.runtime.nearby import REACH, EveryNode, EveryPlace, Near, weights_of
 from gaitflow.solvers.point import GaitSpace
 
 SUPPORT = 0.7  # of a cost that is believed: the nodes' centre is at most 0.45 steps off
@@ -48,7 +52,7 @@ class Sheet:
     costs [n]: the problem's (scaled) cost at the optimum; slopes [n, a]: derivatives of its logarithm. A node's point,
     in the space's code, is mean [ny] + coordinates [n, k] @ modes [k, ny]; tangents [n, a, k]: derivatives of its
     coordinates. Nodes whose coordinates, moved to one place along their tangents, differ by more than `tear` belong to
-    different motions and are not blended.
+    different motions and are not blended. infeasible [m, a]: places where the pattern was tried and has no motion.
     """
 
     gait: int
@@ -62,6 +66,7 @@ class Sheet:
     coordinates: NDArray[np.float32]
     tangents: NDArray[np.float32]
     tear: float
+    infeasible: Array
 
 
 @dataclass(frozen=True)
@@ -99,28 +104,31 @@ class Atlas:
     def costs(self, place: Array) -> tuple[Array, Array]:
         """The problem's cost of each sheet at a place, and how well its nodes surround the place, its support.
 
-        Support is 1 - |m| / REACH, m from the centre of the sheet's nodes, by distance alone, to the place: 1 amid or
-        upon nodes, less beyond the last ones. Where it is 0 there is no node within reach, and the cost is NaN.
+        Support is 1 amid or upon nodes, less beyond the last ones and towards places without a motion. Where it is 0
+        there is no node within reach, and the cost is NaN.
         """
         count = len(self.sheets)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-            near = self._every.near(place / self.steps)
+            asked = place / self.steps
+            near = self._every.near(asked)
             total, lean = np.bincount(near.owner, near.weights, count), np.zeros(count)
             for offset in near.offsets:
                 mean = np.bincount(near.owner, near.weights * offset, count) / total
                 lean += mean * mean
             mixed = near.blended(near.agreed())
             costs = np.exp(np.clip(mixed, -LARGEST_LOG, LARGEST_LOG))
-            return costs, np.where(total > 0, 1 - np.sqrt(lean) / REACH, 0.0)
+            without = self._every_infeasible.weights_near(asked)
+            return costs, np.where(total > 0, (1 - np.sqrt(lean) / REACH) * total / (total + without), 0.0)
 
     def by_cost(self, place: Array) -> list[int]:
         """The sheets with a node within reach of a place; of equal ones the first.
 
-        First those whose cost is believed (support of SUPPORT or more), cheapest first, then the others: where a gait
-        lacks nodes it costs more than it seems, or has no motion.
+        First those whose cost is believed (support of SUPPORT or more), cheapest first. Then the others, by support in
+        hundredths: where a gait lacks nodes it costs more than it seems, or has no motion.
         """
         costs, support = self.costs(place)
-        return [sheet for sheet in np.lexsort((costs, support < SUPPORT)).tolist() if support[sheet] > 0]
+        doubted = np.where(support < SUPPORT, 1 - np.floor(100 * support) / 100, 0.0)
+        return [sheet for sheet in np.lexsort((costs, doubted)).tolist() if support[sheet] > 0]
 
     def ranked(self, place: Array) -> list[int]:
         """The first sheet of each gait, in the order of `by_cost`."""
@@ -192,6 +200,10 @@ class Atlas:
     @cached_property
     def _every(self) -> EveryNode:
         return EveryNode([(nodes.places, nodes.logs, nodes.slopes) for nodes in self._nodes], len(self.axes))
+
+    @cached_property
+    def _every_infeasible(self) -> EveryPlace:
+        return EveryPlace([sheet.infeasible / self.steps for sheet in self.sheets], len(self.axes))
 
 
 class _Nodes:

@@ -3,7 +3,7 @@
 Tensors: `axes` (names in ASCII, joined by commas, uint8), `steps` [a] and `barrier` [1] (float64), `sheets` [1]
 (int32), and for every sheet "<number>.<name>": gait [1] (int32), pattern [legs, phases] (uint8), lower, upper [nw],
 lower_rows, upper_rows [ng] (float64), and the fields of `Sheet` by their names; mean, modes, coordinates and tangents
-are float32, the others float64.
+are float32, the others float64. A sheet without infeasible places has no tensor of them, as in older maps.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from safetensors.numpy import save
 
 from gaitflow.core.layout import Layout
 from gaitflow.core.task import AXES
+from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, Sheet
 from gaitflow.runtime.tensor_file import TensorFile
 from gaitflow.solvers.point import GaitSpace
@@ -26,6 +27,7 @@ MAX_SHEETS = 4096
 MAX_NODES = 1_000_000  # of all sheets
 _NUMBERS = ("tasks", "costs", "slopes", "mean", "modes", "coordinates", "tangents")
 BOUNDS = ("lower", "upper", "lower_rows", "upper_rows")
+INFEASIBLE = "infeasible"
 _NAMES = ("gait", "pattern", *BOUNDS, *_NUMBERS, "tear")
 
 
@@ -45,6 +47,7 @@ def atlas_bytes(atlas: Atlas) -> bytes:
             "pattern": np.array([[int(digit) for digit in row] for row in sheet.pattern.split("/")], dtype=np.uint8),
             "tear": np.array([sheet.tear]),
         }
+        own |= {INFEASIBLE: sheet.infeasible} if len(sheet.infeasible) else {}
         tensors |= {f"{number}.{name}": np.ascontiguousarray(value) for name, value in own.items()}
     return save(tensors)
 
@@ -59,7 +62,9 @@ def parse_atlas(content: bytes, axes: Sequence[str], gaits: int, layout: Layout,
     count = int(file.array("sheets", (1,), np.int32)[0])
     if not 0 <= count <= MAX_SHEETS:
         file.refuse("sheets", f"= {count}: must be 0 to {MAX_SHEETS}")
-    file.expect({"axes", "steps", "barrier", "sheets"} | {f"{n}.{name}" for n in range(count) for name in _NAMES})
+    optional = {f"{number}.{INFEASIBLE}" for number in range(count)} & set(file.tensors)
+    required = {f"{number}.{name}" for number in range(count) for name in _NAMES}
+    file.expect({"axes", "steps", "barrier", "sheets"} | required | optional)
     found = file.names("axes")
     if found != tuple(axes):
         file.refuse("axes", f"are {', '.join(found)}; the map's are {', '.join(axes)}")
@@ -69,9 +74,9 @@ def parse_atlas(content: bytes, axes: Sequence[str], gaits: int, layout: Layout,
     steps = file.array("steps", (len(axes),), np.float64)
     if (steps < 1e-9).any():
         file.refuse("steps", "must be positive")
-    nodes = sum(file.length(f"{number}.tasks") for number in range(count))
-    if nodes > MAX_NODES:
-        file.refuse("the atlas", f"has {nodes} nodes: more than {MAX_NODES}")
+    for name, places in (("nodes", [f"{number}.tasks" for number in range(count)]), ("infeasible places", optional)):
+        if (found_places := sum(map(file.length, places))) > MAX_NODES:
+            file.refuse("the atlas", f"has {found_places} {name}: more than {MAX_NODES}")
     sheets = tuple(_sheet(file, number, found, gaits, layout, rows) for number in range(count))
     return Atlas(found, steps, barrier, sheets)
 
@@ -116,11 +121,8 @@ def _sheet(file: TensorFile, number: int, axes: tuple[str, ...], gaits: int, lay
     nodes, modes, a = file.length(f"{own}.tasks"), file.length(f"{own}.modes"), len(axes)
     if not nodes or not 1 <= modes <= MAX_MODES:
         file.refuse(name, f"has {nodes} nodes and {modes} modes; at least 1 of each, at most {MAX_MODES} modes")
-    tasks = file.array(f"{own}.tasks", (nodes, a), np.float64)
-    if not all(
-        AXES[axis].admits(x) for axis, column in zip(axes, tasks.T, strict=True) for x in (min(column), max(column))
-    ):
-        file.refuse(name, "has a node that is no physical task")
+    tasks = _tasks(file, f"{own}.tasks", axes, name)
+    without = f"{own}.{INFEASIBLE}"
     costs = file.array(f"{own}.costs", (nodes,), np.float64)
     tear = float(file.array(f"{own}.tear", (1,), np.float64)[0])
     if (costs <= 0).any() or tear < 0:
@@ -137,4 +139,16 @@ def _sheet(file: TensorFile, number: int, axes: tuple[str, ...], gaits: int, lay
         coordinates=file.array(f"{own}.coordinates", (nodes, modes), np.float32),
         tangents=file.array(f"{own}.tangents", (nodes, a, modes), np.float32),
         tear=tear,
+        infeasible=_tasks(file, without, axes, name) if without in file.tensors else np.zeros((0, a)),
     )
+
+
+def _tasks(file: TensorFile, tensor: str, axes: tuple[str, ...], name: str) -> Array:
+    """At least one place of a sheet [n, a], each a physical task."""
+    tasks = file.array(tensor, (file.length(tensor), len(axes)), np.float64)
+    if not len(tasks):
+        file.refuse(tensor, "is empty")
+    ends = ((axis, x) for axis, column in zip(axes, tasks.T, strict=True) for x in (min(column), max(column)))
+    if not all(AXES[axis].admits(x) for axis, x in ends):
+        file.refuse(name, "has a node or an infeasible place that is no physical task")
+    return tasks

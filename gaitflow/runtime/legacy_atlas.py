@@ -91,6 +91,7 @@ def _sheet(file: TensorFile, number: int, gaits: int, layout: Layout, rows: int,
         coordinates=coordinates,
         tangents=tangents,
         tear=tear,
+        infeasible=np.zeros((0, 2)),
     )
 
 

@@ -108,6 +108,28 @@ class EveryNode:
         )
 
 
+class EveryPlace:
+    """Places of all sheets that have nothing but their distance, in the order of their first axis."""
+
+    def __init__(self, sheets: Sequence[Array], axes: int) -> None:
+        """Of each sheet its places [n, a], in steps."""
+        self.count = len(sheets)
+        places = np.concatenate([np.zeros((0, axes)), *sheets])
+        order = np.argsort(places[:, 0], kind="stable")
+        self.places = places[order]
+        self.sheets = np.repeat(np.arange(len(sheets)), [len(each) for each in sheets])[order]
+
+    def weights_near(self, place: Array) -> Array:
+        """The sum of the weights by distance of each sheet's places within reach of one, in steps [count]."""
+        if not len(self.places):
+            return np.zeros(self.count)
+        low, high = np.searchsorted(self.places[:, 0], (place[0] - REACH, place[0] + REACH))
+        squared = ((self.places[low:high] - place) ** 2).sum(axis=1)
+        near = np.flatnonzero(squared < REACH * REACH)
+        weights = weights_of(np.sqrt(squared[near]))
+        return np.bincount(self.sheets[low:high][near], weights, self.count).astype(np.float64)
+
+
 def weights_of(distances: Array) -> Array:
     """What nodes weigh in a prediction by their distances, in steps."""
     closeness = (REACH - distances) / (REACH * np.maximum(distances, NEAREST))

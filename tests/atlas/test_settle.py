@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+from collections import deque
 
 import numpy as np
 import pytest
@@ -20,7 +21,9 @@ def growth(grown: Growth) -> Growth:
     """A growth of one's own, of the same nodes."""
     own = copy.copy(grown)
     own.nodes = [dict(nodes) for nodes in grown.nodes]
+    own.infeasible = [set() for _ in grown.nodes]
     own.best = dict(grown.best)
+    own._fringe = deque()
     return own
 
 

@@ -52,6 +52,7 @@ def crowded(atlas: Atlas) -> Atlas:
     first = atlas.sheets[0]
     other = replace(first, costs=first.costs * random.uniform(0.8, 1.2, len(first.costs)), mean=first.mean * 0.99)
     few = replace(thinned(first, random.random(len(first.tasks)) < 0.3), mean=first.mean * 1.01)
+    own[0] = replace(own[0], infeasible=random.uniform(first.tasks.min(axis=0), first.tasks.max(axis=0), (9, 2)))
     return replace(atlas, sheets=(*own, other, replace(few, costs=few.costs * 0.5)))
 
 
@@ -87,6 +88,7 @@ def scattered_sheet(problem: GaitProblem, pattern: str, gait: int) -> Sheet:
         coordinates=random.normal(size=(nodes, modes)).astype(np.float32),
         tangents=random.normal(0, 0.1, (nodes, 3, modes)).astype(np.float32),
         tear=3.0,
+        infeasible=random.uniform([r.start for r in ranges], [r.stop for r in ranges], (nodes // 4, 3)),
     )
 
 

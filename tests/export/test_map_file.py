@@ -51,7 +51,7 @@ def test_it_holds_the_map(which: str, request: pytest.FixtureRequest) -> None:
     layout, domain, axes = manifest.layout, manifest.domain, manifest.space.ranged
 
     magic, number, crc, size, digest = struct.unpack("<8sIIQ32s", content[:56])
-    assert (magic, number, size) == (b"gaitmap\n", 5, len(content))
+    assert (magic, number, size) == (b"gaitmap\n", 6, len(content))
     assert crc == zlib.crc32(content[16:])
     assert digest == hashlib.sha256((exported.model / "manifest.json").read_bytes()).digest()
 
@@ -104,9 +104,10 @@ def test_it_holds_the_map(which: str, request: pytest.FixtureRequest) -> None:
         assert items.counts(1) == [sheet.gait]
         assert items.text() == sheet.pattern
         assert same(items.space(layout.nw, tensors.rows), sheet.space)
-        nodes, modes, numbers = items.counts(3)
+        nodes, modes, numbers, infeasible = items.counts(4)
         assert items.array("<f8", 1).tolist() == [sheet.tear]
         assert np.array_equal(items.array("<f8", nodes, ranged), sheet.tasks)
+        assert np.array_equal(items.array("<f8", infeasible, ranged), sheet.infeasible)
         assert np.array_equal(items.array("<f8", nodes), sheet.costs)
         assert np.array_equal(items.array("<f8", nodes, ranged), sheet.slopes)
         assert np.array_equal(items.array("<f4", numbers), sheet.mean)

@@ -60,6 +60,7 @@ def sheet(
         coordinates=coordinates.astype(np.float32),
         tangents=tangents.astype(np.float32),
         tear=50.0,
+        infeasible=np.zeros((0, a)),
     )
 
 

@@ -151,6 +151,7 @@ def known_costs() -> KnownCosts:
                 coordinates=np.zeros((len(places), 1), np.float32),
                 tangents=np.zeros((len(places), 2, 1), np.float32),
                 tear=1.0,
+                infeasible=np.zeros((0, 2)),
             )
         )
     steps = np.array([speeds[1] - speeds[0], durations[1] - durations[0]])

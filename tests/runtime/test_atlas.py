@@ -244,3 +244,29 @@ def test_a_real_atlas_predicts_its_own_nodes(tiny: TinyMap, grown: Growth) -> No
             node = one.space.decode(grown.nodes[number][tuple(place.tolist())].point)
             away.append(np.abs(found.free - node.free).max())
         assert np.quantile(away, 0.9) < 0.1
+
+
+@given(inner, st.floats(0.05, 1.4), st.floats(0, 2 * np.pi))
+def test_a_place_without_a_motion_takes_support_and_no_cost(
+    place: tuple[float, float], distance: float, angle: float
+) -> None:
+    assume(min(np.linalg.norm(np.array(node) - place) for node in grid()) > 0.1)
+    value, gradient = quadratic([1, 2, 3, 4, 5, 6])
+    plain, asked = sheet_of(value, gradient), np.array(place) * STEPS
+    without = np.array([place]) + distance * np.array([[np.cos(angle), np.sin(angle)]])
+    costs, support = atlas(plain).costs(asked)
+    same_costs, less = atlas(replace(plain, infeasible=without * STEPS)).costs(asked)
+    assert same_costs.tolist() == costs.tolist()
+    assert 0 < less[0] < support[0]
+    upon = replace(plain, infeasible=np.array([place]) * STEPS)
+    assert atlas(upon).costs(asked)[1][0] < 1e-6
+
+
+def test_a_gait_comes_last_where_it_has_no_motion() -> None:
+    value, gradient = quadratic([0, 0, 0, 0, 0, 0])
+    dear = sheet_of(lambda x, y: 1 + value(x, y), gradient, gait=1)
+    cheap = replace(sheet_of(value, gradient), infeasible=np.array([[2.4, 2.4]]) * STEPS)
+    made = atlas(cheap, dear)
+    assert made.ranked(np.array([1.5, 1.5]) * STEPS) == [0, 1]
+    assert made.ranked(np.array([2.45, 2.4]) * STEPS) == [1, 0]
+    assert made.least_costs(np.array([2.45, 2.4]) * STEPS)[0] == np.inf

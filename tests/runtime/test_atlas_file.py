@@ -33,7 +33,7 @@ def same(one: Atlas, other: Atlas) -> None:
     np.testing.assert_array_equal(one.steps, other.steps)
     for mine, theirs in zip(one.sheets, other.sheets, strict=True):
         assert (mine.gait, mine.pattern, mine.tear) == (theirs.gait, theirs.pattern, theirs.tear)
-        for name in ("tasks", "costs", "slopes", "mean", "modes", "coordinates", "tangents"):
+        for name in ("tasks", "costs", "slopes", "mean", "modes", "coordinates", "tangents", "infeasible"):
             np.testing.assert_array_equal(getattr(mine, name), getattr(theirs, name))
         for name in ("lower", "upper", "lower_rows", "upper_rows"):
             np.testing.assert_array_equal(getattr(mine.space, name), getattr(theirs.space, name))
@@ -50,6 +50,29 @@ def test_what_was_written_is_read() -> None:
     assert atlas_bytes(parse(content)) == content
     with pytest.raises(ValueError, match="read-only"):
         parse(content).sheets[0].mean[0] = 1.0
+
+
+def test_places_without_a_motion_are_written_where_there_are_any() -> None:
+    without = np.array([(0.1, 0.5), (0.2, 0.7)])
+    made = atlas(replace(flat(0), infeasible=without), flat(1))
+    content = atlas_bytes(made)
+    same(parse(content), made)
+    assert set(load(content)) - set(load(atlas_bytes(atlas(flat(0), flat(1))))) == {"0.infeasible"}
+
+
+@pytest.mark.parametrize(
+    ("places", "fault"),
+    [
+        (np.zeros((0, 2)), "0.infeasible is empty"),
+        (np.zeros((1, 3)), r"0.infeasible is float64 \(1, 3\); expected float64 \(1, 2\)"),
+        (np.array([[25.0, 0.5]]), "sheet 0 has a node or an infeasible place that is no physical task"),
+        (np.array([[np.nan, 0.5]]), "0.infeasible holds a value that is not finite"),
+        (np.zeros(3), "0.infeasible is float64"),
+    ],
+)
+def test_odd_places_without_a_motion_are_refused(places: np.ndarray, fault: str) -> None:
+    with pytest.raises(ArtifactError, match=fault):
+        parse(save(load(CONTENT) | {"0.infeasible": places}))
 
 
 def test_a_real_atlas_round_trips(tiny: TinyMap) -> None:
@@ -158,7 +181,7 @@ def changed(**values: object) -> bytes:
         ({"n0_of_lower": 2.0}, "a bound below that lies above the one above"),
         ({"n0_of_lower": np.inf, "n0_of_upper": np.inf}, "infinite"),
         ({"n0_of_lower_rows": -np.inf, "n0_of_upper_rows": -np.inf}, "infinite"),
-        ({"n1_of_tasks": 25.0}, "sheet 1 has a node that is no physical task"),
+        ({"n1_of_tasks": 25.0}, "sheet 1 has a node or an infeasible place that is no physical task"),
         ({"n0_of_costs": 0.0}, "a cost that is not positive"),
         ({"n0_of_costs": 1e308}, "0.costs holds a value that is not finite, or beyond 1e+15"),
         ({"n0_of_upper": 1e308}, "0.upper holds a value that is not finite, or beyond 1e+15"),

@@ -13,7 +13,8 @@
 
 namespace gaitflow {
 
-// support: how well nodes surround the place, 1 amid or upon them, 0 with none in reach; cost is NaN then.
+// support: how well nodes, and no places without a motion, surround the place: 1 amid or upon nodes, 0 with none in
+// reach; cost is NaN then.
 struct SheetCost {
   double cost, support;
 };
@@ -37,13 +38,14 @@ class AtlasView {
     double square = 0;
     for (const double along : mean_offset(sheet, near, asked, total)) square += along * along;
     const double log = blended(sheet, agreed(sheet, near, asked), asked);
-    return {std::exp(std::clamp(log, -largest_log, largest_log)), 1 - std::sqrt(square) / atlas_.reach};
+    const double surrounded = 1 - std::sqrt(square) / atlas_.reach, open = total / (total + without_motion(sheet, asked));
+    return {std::exp(std::clamp(log, -largest_log, largest_log)), surrounded * open};
   }
 
-  // The sheets with a node within reach: those whose cost is believed first, the cheapest first.
+  // The sheets with a node within reach: those whose cost is believed, the cheapest first, then the others by support.
   std::vector<const Sheet*> by_cost(const Vector& place) const {
     struct Ranked {
-      bool doubted;
+      double doubted;
       double cost;
       const Sheet* sheet;
     };
@@ -51,10 +53,11 @@ class AtlasView {
     for (const Sheet& sheet : atlas_.sheets) {
       const SheetCost found = cost(sheet, place);
       const double cost = std::isnan(found.cost) ? std::numeric_limits<double>::infinity() : found.cost;
-      if (found.support > 0) all.push_back({found.support < atlas_.support, cost, &sheet});
+      const double doubted = found.support < atlas_.support ? 1 - std::floor(100 * found.support) / 100 : 0.0;
+      if (found.support > 0) all.push_back({doubted, cost, &sheet});
     }
     std::stable_sort(all.begin(), all.end(), [](const Ranked& one, const Ranked& other) {
-      return one.doubted != other.doubted ? other.doubted : one.cost < other.cost;
+      return one.doubted != other.doubted ? one.doubted < other.doubted : one.cost < other.cost;
     });
     std::vector<const Sheet*> sheets;
     for (const Ranked& each : all) sheets.push_back(each.sheet);
@@ -177,6 +180,20 @@ class AtlasView {
       total += near.back().weight;
     }
     return near;
+  }
+
+  // The sum of the weights of the places within reach that have no motion.
+  double without_motion(const Sheet& sheet, const Vector& asked) const {
+    double total = 0;
+    for (std::size_t at = 0; at < sheet.infeasible.size(); at += axes_) {
+      double squared = 0;
+      for (std::size_t axis = 0; axis < axes_; ++axis) {
+        const double away = sheet.infeasible[at + axis] - asked[axis];
+        squared += away * away;
+      }
+      if (squared < atlas_.reach * atlas_.reach) total += weight(std::sqrt(squared));
+    }
+    return total;
   }
 
   // The nodes with weights by distance, steepness and agreement: rule 2.

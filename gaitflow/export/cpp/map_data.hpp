@@ -68,8 +68,9 @@ struct Sheet {
   std::string pattern;
   Space space;
   double tear;
-  std::size_t nodes, mode_count;
+  std::size_t nodes, mode_count, infeasible_count;
   Vector places, log_costs, slopes;              // [n, a], [n], [n, a]
+  Vector infeasible;                             // [m, a]: places where the pattern has no motion
   std::vector<float> mean, modes, coordinates;   // [ny], [k, ny], [n, k]
   Vector tangents;                               // [n, a, k]
   std::vector<std::size_t> by_first_axis;        // the nodes in the order of their first axis

@@ -25,7 +25,7 @@ namespace gaitflow {
 namespace detail {
 
 constexpr std::size_t checked_from = 16;
-constexpr std::uint32_t known_format = 5;
+constexpr std::uint32_t known_format = 6;
 constexpr double least_length = 1e-9;  // of what is divided by
 
 // CRC-32 as in zlib and PNG.
@@ -141,8 +141,10 @@ inline Sheet read_sheet(Cursor& file, const MapFile& map) {
   const std::size_t size = file.count(0, 100000000, "a sheet of the atlas is too large");
   file.require(size == sheet.space.encoded() && !sheet.space.free.empty(),
                "a sheet of the atlas does not fit its pattern");
+  sheet.infeasible_count = file.count(0, 1000000, "a sheet of the atlas has too many infeasible places");
   sheet.tear = file.finite<double>(1)[0];
   sheet.places = file.finite<double>(sheet.nodes * axes);
+  sheet.infeasible = file.finite<double>(sheet.infeasible_count * axes);
   sheet.log_costs = file.finite<double>(sheet.nodes);
   sheet.slopes = file.finite<double>(sheet.nodes * axes);
   sheet.mean = file.finite<float>(size);
@@ -158,6 +160,7 @@ inline Sheet read_sheet(Cursor& file, const MapFile& map) {
     sheet.places[i] /= steps[i % axes];
     sheet.slopes[i] *= steps[i % axes];
   }
+  for (std::size_t i = 0; i < sheet.infeasible.size(); ++i) sheet.infeasible[i] /= steps[i % axes];
   for (std::size_t i = 0; i < sheet.tangents.size(); ++i) sheet.tangents[i] *= steps[i / sheet.mode_count % axes];
   sheet.by_first_axis.resize(sheet.nodes);
   std::iota(sheet.by_first_axis.begin(), sheet.by_first_axis.end(), std::size_t{0});

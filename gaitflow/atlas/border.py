@@ -1,0 +1,59 @@
+"""Where the motions of a gait end: nodes on one side of a border, places without a motion on the other.
+
+A gait's cost hardly changes up to a limit of the robot, as the reach of a leg, so no cost tells where the gait ends.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from gaitflow.atlas.grow import DECIMALS, Growth
+from gaitflow.atlas.node import Place
+
+NARROW = 1 / 16  # steps between the two sides of a border that is known well enough
+STARTS = 2  # nearest nodes from which a place is tried
+
+
+def find_borders(growth: Growth, without: Sequence[tuple[int, Place]]) -> bool:
+    """Take it that patterns have no motion at places, (pattern, place) each, and halve the way to the nearest nodes.
+
+    Places at which a pattern has a node are left out. Returns whether the growth knows more than before.
+    """
+    beyond = {at: at[1] for at in without if growth.nodes[at[0]] and at[1] not in growth.nodes[at[0]]}
+    known = sum(map(len, growth.nodes)) + sum(map(len, growth.infeasible))
+    for (sheet, _), place in beyond.items():
+        growth.give_up(sheet, place)
+    while beyond:
+        middles = {at: _middle(growth, at[0], place) for at, place in beyond.items()}
+        asked = [(at, middle) for at, middle in middles.items() if middle is not None]
+        _try(growth, [(sheet, middle) for (sheet, _), middle in asked])
+        # A node in the middle is the nearest one from now on, so that the place beyond stays.
+        beyond = {at: beyond[at] if middle in growth.nodes[at[0]] else middle for at, middle in asked}
+    return sum(map(len, growth.nodes)) + sum(map(len, growth.infeasible)) > known
+
+
+def _middle(growth: Growth, sheet: int, place: Place) -> Place | None:
+    """The middle between a place and the pattern's nearest node; None where that is near enough."""
+    nodes, asked = np.array(sorted(growth.nodes[sheet])), np.array(place)
+    away = np.linalg.norm((nodes - asked) / growth.steps, axis=1)
+    if away.min() <= NARROW:
+        return None
+    return tuple(round(float(x), DECIMALS) for x in (nodes[away.argmin()] + asked) / 2)
+
+
+def _try(growth: Growth, places: Sequence[tuple[int, Place]]) -> None:
+    """A node of each pattern at its place, or the knowledge that there is none."""
+    left = list(dict.fromkeys(places))
+    for start in range(STARTS):
+        requests = [
+            (sheet, place, starts[start])
+            for sheet, place in left
+            if start < len(starts := growth.nearest(sheet, place, STARTS))
+        ]
+        for (sheet, _, _), node in zip(requests, growth.solver.nodes(requests), strict=True):
+            growth.keep(sheet, node)
+        left = [(sheet, place) for sheet, place in left if place not in growth.nodes[sheet]]
+    for sheet, place in left:
+        growth.give_up(sheet, place)
