@@ -290,23 +290,19 @@ def claims(workspace: Workspace) -> tuple[Claim, ...]:
     Versions whose tasks were chosen (`tasks: {sampling: adaptive}`) are passed over: the statements count grid tasks.
     """
     from gaitflow.dataset import load_solutions
-    from gaitflow.dataset.labels_file import read_labels
     from gaitflow.report.claims import SCENARIOS, check_claims
+    from gaitflow.report.map_tasks import newest_grid
     from gaitflow.report.stored import scenario_of
     from gaitflow.report.winners import winners
-    from gaitflow.runtime.versions import versions_in
 
     frames, motions = {}, {}
     for name in SCENARIOS:
-        for version in reversed(versions_in(workspace.datasets / name)):
-            folder = workspace.datasets / name / str(version)
-            labels = read_labels(folder).to_pandas()
-            on_grid = labels[labels["split"] == "grid"]
-            if len(on_grid):
-                solutions = load_solutions(folder)
-                frames[name] = labels
-                motions[name] = winners(on_grid, solutions, scenario_of(solutions).tasks.space)
-                break
+        found = newest_grid(workspace.datasets / name)
+        if found is not None:
+            folder, frames[name] = found
+            solutions = load_solutions(folder)
+            on_grid = frames[name][frames[name]["split"] == "grid"]
+            motions[name] = winners(on_grid, solutions, scenario_of(solutions).tasks.space)
     return check_claims(frames, motions)
 
 

@@ -131,14 +131,12 @@ def _rule(workspace: Workspace, tables: Mapping[str, SweepTable], exact: bool) -
 
 def _published(workspace: Workspace, table: SweepTable) -> pd.DataFrame | None:
     """The published labels of the scenario's own robot at the tasks of a sweep; None where one of them is missing."""
-    from gaitflow.dataset.labels_file import read_labels
-    from gaitflow.runtime.versions import versions_in
+    from gaitflow.report.map_tasks import newest_grid
 
-    folder = workspace.datasets / table.scenario.name
-    versions = versions_in(folder)
-    if not versions:
+    newest = newest_grid(workspace.datasets / table.scenario.name)
+    if newest is None:
         return None
-    labels = read_labels(folder / str(versions[-1])).to_pandas()
+    _, labels = newest
     axes = list(table.scenario.tasks.ranges)
     wanted = table.frame[axes].round(9).drop_duplicates()
     found = labels[labels["split"] == "grid"].round(dict.fromkeys(axes, 9)).merge(wanted, on=axes)

@@ -12,6 +12,7 @@ from gaitflow.core.legacy import modern_scenario
 from gaitflow.dataset.legacy import modern_names
 from gaitflow.files import atomic_write
 from gaitflow.report.claims import Claim, check_claims
+from gaitflow.report.map_tasks import newest_grid
 from gaitflow.report.report import png_of
 from gaitflow.report.side_by_side import LabelledMap, compare, draw_side_by_side
 from gaitflow.report.tables import percent
@@ -30,7 +31,7 @@ TITLES = ("map", "tasks of both", "label changed", "beyond ties", "Euler's gait 
 def write_exact_motion(datasets: Path, docs: Path) -> list[Path]:
     """Write docs/images/exact-<scenario>.png for every pair that is published, and docs/results/exact-motion.md.
 
-    `datasets` holds the published datasets; their newest versions are compared. Raises ValueError when no pair is
+    `datasets` holds the published datasets; their newest grids are compared. Raises ValueError when no pair is
     there, WriteError when the disk refuses.
     """
     written, rows, labels = [], [], dict[str, pd.DataFrame]()
@@ -50,23 +51,21 @@ def write_exact_motion(datasets: Path, docs: Path) -> list[Path]:
 
 
 def published_map(folder: Path) -> LabelledMap | None:
-    """The newest published dataset of a scenario; None where there is none."""
+    """The newest published grid of a scenario; None where there is none."""
     import pyarrow.parquet as pq
 
-    from gaitflow.dataset.labels_file import read_labels
     from gaitflow.dataset.read import FILE_NAME
     from gaitflow.publishing.dataset_facts import GAIT_COSTS
-    from gaitflow.runtime.versions import versions_in
     from gaitflow.tables.provenance import read_record
 
-    versions = versions_in(folder)
-    if not versions:
+    newest = newest_grid(folder)
+    if newest is None:
         return None
-    version = folder / str(versions[-1])
+    version, labels = newest
     record = read_record(pq.read_metadata(version / FILE_NAME).metadata, str(version / FILE_NAME))
     scenario = Scenario.from_data(modern_scenario(record["scenario"]), str(version))
     costs = modern_names(pq.read_table(version / GAIT_COSTS)).to_pandas()
-    return LabelledMap(scenario, read_labels(version).to_pandas(), costs)
+    return LabelledMap(scenario, labels, costs)
 
 
 def _row(name: str, found: pd.DataFrame, tolerance: float) -> tuple[str, ...]:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pandas as pd
 
 from gaitflow.core.task import Split
+from gaitflow.dataset.labels_file import read_labels
+from gaitflow.runtime.versions import versions_in
 
 SPLIT_WORDS: dict[Split, str] = {"grid": "grid", "sampled": "searched", "held_out": "held-out"}
 
@@ -17,6 +21,15 @@ def of_map(labels: pd.DataFrame) -> pd.Series[bool]:
 def on_grid(labels: pd.DataFrame) -> bool:
     """Whether the map's tasks are those of a grid; otherwise they were chosen anywhere between its values."""
     return bool((labels["split"] == "grid").any())
+
+
+def newest_grid(folder: Path) -> tuple[Path, pd.DataFrame] | None:
+    """The newest version of a scenario's datasets whose tasks are a grid, and its labels; None where there is none."""
+    for version in reversed(versions_in(folder)):
+        labels = read_labels(folder / str(version)).to_pandas()
+        if on_grid(labels):
+            return folder / str(version), labels
+    return None
 
 
 def map_task_words(labels: pd.DataFrame) -> str:
