@@ -270,3 +270,15 @@ def test_a_gait_comes_last_where_it_has_no_motion() -> None:
     assert made.ranked(np.array([1.5, 1.5]) * STEPS) == [0, 1]
     assert made.ranked(np.array([2.45, 2.4]) * STEPS) == [1, 0]
     assert made.least_costs(np.array([2.45, 2.4]) * STEPS)[0] == np.inf
+
+
+def test_of_gaits_that_are_not_believed_the_best_supported_comes_first() -> None:
+    value, gradient = quadratic([0, 0, 0, 0, 0, 0])
+    dear = replace(sheet_of(lambda x, y: 1 + value(x, y), gradient, gait=1), infeasible=np.array([[2.4, 2.8]]) * STEPS)
+    cheap = replace(sheet_of(value, gradient), infeasible=np.array([[2.4, 2.4]]) * STEPS)
+    made, place = atlas(cheap, dear), np.array([2.45, 2.5]) * STEPS
+    _, support = made.costs(place)
+    assert 0 < support[0] < support[1] < SUPPORT
+    assert made.ranked(place) == [1, 0]
+    again = atlas(cheap, replace(dear, infeasible=cheap.infeasible))
+    assert again.ranked(place) == [0, 1], "of equal support the cheaper one"
