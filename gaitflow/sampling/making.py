@@ -8,6 +8,7 @@ from contextlib import contextmanager
 import numpy as np
 import pandas as pd
 
+from gaitflow.atlas.border import find_borders
 from gaitflow.atlas.compress import build_atlas, cost_atlas
 from gaitflow.atlas.fill import LIMIT, fill
 from gaitflow.atlas.grow import Growth
@@ -144,6 +145,18 @@ class MapInMaking:
         known = known_costs(self._costs, "gait_key", self.gaits, self.scenario.tasks.space.ranged)
         with self._inside():
             return settle(self.growth, self._numbers, known, DEARER, self.tell)
+
+    def find_borders(self, tasks: Sequence[Task]) -> None:
+        """Nodes and places without a motion on either side of where the map's picks end, given tasks beyond that."""
+        ranged = self.scenario.tasks.ranges
+        places = [
+            (sheet, task.on(ranged))
+            for task, pick in zip(tasks, self._picks(tasks), strict=True)
+            for sheet in self._sheets_of(pick)
+        ]
+        with self._inside():
+            find_borders(self.growth, places)
+            self.growth.spread()
 
     def costs_atlas(self) -> Atlas:
         """The atlas as far as it predicts costs, of all competing gaits."""
