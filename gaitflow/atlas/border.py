@@ -16,21 +16,22 @@ NARROW = 1 / 16  # steps between the two sides of a border that is known well en
 STARTS = 2  # nearest nodes from which a place is tried
 
 
-def find_borders(growth: Growth, without: Sequence[tuple[int, Place]]) -> bool:
-    """Take it that patterns have no motion at places, (pattern, place) each, and halve the way to the nearest nodes.
+def find_borders(growth: Growth, places: Sequence[tuple[int, Place]]) -> bool:
+    """Nodes of patterns at places, (pattern, place) each, and where there is no motion the border before it.
 
-    Places at which a pattern has a node are left out. Returns whether the growth knows more than before.
+    The way from such a place to the pattern's nearest node is halved until it is short. Returns whether the growth
+    knows more than before.
     """
-    beyond = {at: at[1] for at in without if growth.nodes[at[0]] and at[1] not in growth.nodes[at[0]]}
     known = sum(map(len, growth.nodes)) + sum(map(len, growth.infeasible))
-    for (sheet, _), place in beyond.items():
-        growth.give_up(sheet, place)
+    asked = [(sheet, place) for sheet, place in places if growth.nodes[sheet]]
+    _try(growth, asked)
+    beyond = {(sheet, place): place for sheet, place in asked if place not in growth.nodes[sheet]}
     while beyond:
         middles = {at: _middle(growth, at[0], place) for at, place in beyond.items()}
-        asked = [(at, middle) for at, middle in middles.items() if middle is not None]
-        _try(growth, [(sheet, middle) for (sheet, _), middle in asked])
+        halved = [(at, middle) for at, middle in middles.items() if middle is not None]
+        _try(growth, [(sheet, middle) for (sheet, _), middle in halved])
         # A node in the middle is the nearest one from now on, so that the place beyond stays.
-        beyond = {at: beyond[at] if middle in growth.nodes[at[0]] else middle for at, middle in asked}
+        beyond = {at: beyond[at] if middle in growth.nodes[at[0]] else middle for at, middle in halved}
     return sum(map(len, growth.nodes)) + sum(map(len, growth.infeasible)) > known
 
 
@@ -44,16 +45,20 @@ def _middle(growth: Growth, sheet: int, place: Place) -> Place | None:
 
 
 def _try(growth: Growth, places: Sequence[tuple[int, Place]]) -> None:
-    """A node of each pattern at its place, or the knowledge that there is none."""
-    left = list(dict.fromkeys(places))
-    for start in range(STARTS):
-        requests = [
-            (sheet, place, starts[start])
-            for sheet, place in left
-            if start < len(starts := growth.nearest(sheet, place, STARTS))
-        ]
-        for (sheet, _, _), node in zip(requests, growth.solver.nodes(requests), strict=True):
-            growth.keep(sheet, node)
-        left = [(sheet, place) for sheet, place in left if place not in growth.nodes[sheet]]
+    """A node of each pattern at its place, or the knowledge that there is none: by quick solves, then by careful ones.
+
+    Near a border costs rise steeply, and there a third of what quick solves give up has a motion.
+    """
+    left = [(sheet, place) for sheet, place in dict.fromkeys(places) if place not in growth.nodes[sheet]]
+    for solve in (growth.solver.nodes, growth.solver.careful_nodes):
+        for start in range(STARTS):
+            requests = [
+                (sheet, place, starts[start])
+                for sheet, place in left
+                if start < len(starts := growth.nearest(sheet, place, STARTS))
+            ]
+            for (sheet, _, _), node in zip(requests, solve(requests), strict=True):
+                growth.keep(sheet, node)
+            left = [(sheet, place) for sheet, place in left if place not in growth.nodes[sheet]]
     for sheet, place in left:
         growth.give_up(sheet, place)

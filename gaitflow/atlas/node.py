@@ -21,6 +21,7 @@ from gaitflow.solvers.program import Program
 
 BARRIER = 1e-4  # of the nodes: small enough to be near the optimum, large enough to feel a bound before it is met
 ITERATIONS = 25
+CAREFUL_BARRIER, CAREFUL_ITERATIONS = 1e-2, 100  # where a start has to be led back from a border
 OTHER_UNIT = 2.0  # times the optimum's cost: between these two the path's change with the unit is measured
 
 Place = tuple[float, ...]  # values on the axes with a range, in the order and units of AXES
@@ -112,6 +113,21 @@ class NodeSolver:
         tangents = self._tangents(method, task, centred.point, cost, slopes)
         point = method.space.encode(centred.point)
         return Node(place, cost, slopes, point, tangents) if _finite(slopes, point, tangents) else None
+
+    def careful_nodes(self, requests: Sequence[Request]) -> list[Node | None]:
+        """`careful_node` for each request."""
+        return self._all("careful_node", requests)
+
+    def careful_node(self, sheet: int, place: Place, start: Prediction) -> Node | None:
+        """The node of a start that `node` gives up: first to the optimum, by careful steps from far off the bounds."""
+        self.solves += 1
+        method, task = self.methods[sheet], self.parameters(place)
+        point = method.space.decode(start.point)
+        found = method.follow(task, point, start.cost, CAREFUL_BARRIER, CAREFUL_ITERATIONS, careful=True)
+        if not self._is_solution(sheet, place, found):
+            return None
+        _, bounds, rows = method.space.join(found.point, start.cost)
+        return self.node(sheet, place, self.from_solution(sheet, found.w, bounds, rows, found.cost))
 
     def refined(self, sheet: int, place: Place, start: Prediction, limit: int) -> Outcome:
         """What a plan does: from a predicted start to the optimum, at most `limit` iterations."""

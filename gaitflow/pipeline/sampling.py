@@ -101,7 +101,7 @@ class _Steps:
         self._asked = 0
         self._prepared = -1  # the number of rounds after which the map was prepared for a certificate
         self._prepared_before = False  # whether it was before the last round
-        self._without_motion = 0
+        self._lacking = 0
         self._rounds = self._certificates = 0
         self._drawn: list[Task] = []  # of the certificate that is being tried
         self._verdicts: list[Verdict] = []
@@ -145,7 +145,8 @@ class _Steps:
         number = min(self._sampling.further(len(grid)), left)
         low, high = (np.array([values[end] for values in grid]) for end in (0, -1))
         seed = self._seed * MORE_SEEDS + self._rounds
-        places = next_places(making.costs_atlas(), making.places, making.regrets, low, high, number, seed)
+        atlas, picked = making.costs_atlas(), making.picked
+        places = next_places(atlas, picked, making.places, making.regrets, low, high, number, seed)
         return [task_at(making.scenario.tasks.space, place) for place in places]
 
     def done(self, one: Round) -> Round:
@@ -172,15 +173,15 @@ class _Steps:
         return self._quiet and not self._drawn
 
     def _prepare(self) -> int:
-        """Test the map and plan random picks, once a round; how many of those had no motion at last."""
+        """Test the map and plan random picks, once a round; at how many tasks of the last draw it lacks a gait."""
         if self._prepared != self._rounds:
             self._prepared, making = self._rounds, self._making
             making.fill()
             planned = tasks_needed(0, self._sampling.infeasible, chances_of(1)[1])
             seed = (self._seed + 1) * MORE_SEEDS**4 + self._rounds * MORE_SEEDS
-            self._without_motion = rehearse(making, planned, seed)
+            self._lacking = rehearse(making, planned, seed)
             self.missed = making.settle()
-        return self._without_motion
+        return self._lacking
 
     @property
     def _is_good(self) -> bool:

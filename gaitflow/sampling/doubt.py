@@ -12,7 +12,7 @@ picks of searched tasks had cost before these were searched: it is large where a
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -28,9 +28,12 @@ CANDIDATES = 2048
 AT_LEAST = 1e-3  # steps: of a distance that something is divided by
 
 
-def possible_regret(atlas: Atlas, place: Array) -> float:
-    """By how much, as a share, the pick at a place may be too dear; WORST where the atlas knows too little."""
-    ranked = atlas.ranked(place)
+def possible_regret(atlas: Atlas, place: Array, picked: Collection[int]) -> float:
+    """By how much, as a share, the pick at a place may be too dear; WORST where the atlas knows too little.
+
+    `picked` are the numbers of the gaits that the map picks from. Another one that may cost less is missing.
+    """
+    ranked = [sheet for sheet in atlas.ranked(place) if atlas.sheets[sheet].gait in picked]
     if not ranked:
         return WORST
     costs, support = atlas.costs(place)
@@ -46,16 +49,24 @@ def possible_regret(atlas: Atlas, place: Array) -> float:
 
 
 def next_places(
-    atlas: Atlas, searched: Array, regrets: Array, low: Array, high: Array, number: int, seed: int
+    atlas: Atlas,
+    picked: Collection[int],
+    searched: Array,
+    regrets: Array,
+    low: Array,
+    high: Array,
+    number: int,
+    seed: int,
 ) -> list[tuple[float, ...]]:
     """The places [a] to be searched next, `number` of them, in the box from `low` to `high`.
 
-    searched [n, a] are the places that were, regrets [n] what the picks there had cost too much before that. Each place
-    is taken as searched when the next one is chosen, so they lie apart. Equal arguments give equal places.
+    `picked` are the numbers of the gaits that the map picks from. searched [n, a] are the places that were, regrets [n]
+    what the picks there had cost too much before that. Each place is taken as searched when the next one is chosen, so
+    they lie apart. Equal arguments give equal places.
     """
     unit = qmc.Sobol(len(low), rng=seed).random(CANDIDATES)
     candidates = low + unit * (high - low)
-    wrong = np.array([possible_regret(atlas, place) for place in candidates])
+    wrong = np.array([possible_regret(atlas, place, picked) for place in candidates])
     known = searched / atlas.steps
     tree = cKDTree(known)
     places = candidates / atlas.steps

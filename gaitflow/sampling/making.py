@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -26,15 +27,30 @@ from gaitflow.core.trajectory import Array
 from gaitflow.dataset.labels import gait_costs, label_tasks
 from gaitflow.dataset.mirror import MirrorImage, has_images, images_of
 from gaitflow.problem import transcribe
-from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.atlas import SUPPORT, Atlas
 from gaitflow.search.attempts import best_of, until_feasible
 from gaitflow.search.solution import Solution
 from gaitflow.solvers.fixed_gait import FixedGaitSolver
 
 STARTS = 2  # nearest nodes of a pattern from which a pick is solved
+HALF_BELIEVED = SUPPORT / 2  # support from which a cheaper gait makes a pick suspicious
 
 ReadSolutions = Callable[[Sequence[Task]], Iterable[Solution]]  # of searched tasks, with their motions
 Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """A task whose pick, once planned, may be wrong.
+
+    `gaits` are the numbers of the pick and of gaits of the map that may cost less. infeasible: the pick has no motion.
+    missing: another gait, which the map does not pick from, is predicted to cost less.
+    """
+
+    task: Task
+    gaits: frozenset[int]
+    infeasible: bool
+    missing: bool
 
 
 class MapInMaking:
@@ -146,17 +162,31 @@ class MapInMaking:
         with self._inside():
             return settle(self.growth, self._numbers, known, DEARER, self.tell)
 
-    def find_borders(self, tasks: Sequence[Task]) -> None:
-        """Nodes and places without a motion on either side of where the map's picks end, given tasks beyond that."""
+    def suspects(self, tasks: Sequence[Task]) -> list[Suspect]:
+        """Of tasks that were not searched those whose pick may be wrong."""
+        atlas, picks, picked = self.costs_atlas(), self._picks(tasks), self.picked
+        found = []
+        for task, pick, cost in zip(tasks, picks, self._pick_costs(tasks, picks), strict=True):
+            costs, support = atlas.costs(np.array(task.on(atlas.axes)))
+            cheaper = costs * self._problem.cost_scale * (1 + DEARER) < (np.inf if cost is None else cost)
+            rivals = {atlas.sheets[sheet].gait for sheet in np.flatnonzero(cheaper & (support >= HALF_BELIEVED))}
+            missing = {atlas.sheets[sheet].gait for sheet in np.flatnonzero(cheaper & (support >= SUPPORT))} - picked
+            if cost is None or rivals - {pick}:
+                found.append(Suspect(task, frozenset((rivals & picked) | {pick}), cost is None, bool(missing)))
+        return found
+
+    def look_closely(self, suspects: Sequence[Suspect]) -> None:
+        """Nodes of the suspected gaits at their tasks, or the borders before which their motions end."""
         ranged = self.scenario.tasks.ranges
-        places = [
-            (sheet, task.on(ranged))
-            for task, pick in zip(tasks, self._picks(tasks), strict=True)
-            for sheet in self._sheets_of(pick)
-        ]
+        gaits = [(gait, one.task.on(ranged)) for one in suspects for gait in sorted(one.gaits)]
         with self._inside():
-            find_borders(self.growth, places)
+            find_borders(self.growth, [(sheet, place) for gait, place in gaits for sheet in self._sheets_of(gait)])
             self.growth.spread()
+
+    @property
+    def picked(self) -> set[int]:
+        """The numbers of the gaits that the map picks from: those that are a label."""
+        return {number for number, gait in enumerate(self.gaits) if gait in self.labelled}
 
     def costs_atlas(self) -> Atlas:
         """The atlas as far as it predicts costs, of all competing gaits."""

@@ -78,6 +78,18 @@ def test_a_start_that_leads_nowhere_makes_no_node(solver: NodeSolver, node: Node
     assert solver.node(0, (9.0, 0.3), Prediction(node.cost, node.point)) is None
 
 
+def test_careful_steps_lead_further_to_the_same_node(solver: NodeSolver, node: Node) -> None:
+    beside, far = (SPEED + 0.5, CYCLE), (SPEED + 1.0, CYCLE)
+    careful = solver.careful_node(0, beside, node.moved(beside))
+    assert careful is not None
+    assert careful.cost == pytest.approx(made(solver, node.moved(beside), beside).cost, rel=1e-6)
+    assert solver.node(0, far, node.moved(far)) is None
+    there = solver.careful_node(0, far, node.moved(far))
+    assert there is not None
+    assert there.cost == pytest.approx(made(solver, careful.moved(far), far).cost, rel=1e-6)
+    assert solver.careful_nodes([(0, (9.0, 0.3), Prediction(node.cost, node.point))]) == [None]
+
+
 def test_a_motion_that_fails_the_check_makes_no_node(
     solver: NodeSolver, node: Node, monkeypatch: pytest.MonkeyPatch
 ) -> None:

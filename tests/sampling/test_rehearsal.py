@@ -12,6 +12,7 @@ import pytest
 from gaitflow.config.scenario import load_scenario
 from gaitflow.core.domain import Domain
 from gaitflow.core.task import Task
+from gaitflow.sampling.making import Suspect
 from gaitflow.sampling.rehearsal import DRAWS, rehearse
 
 SCENARIO = Path(__file__).parents[2] / "configs/scenarios/half-cheetah-exact-vibration.yaml"
@@ -29,12 +30,12 @@ class Making:
         self.told: list[str] = []
         self.tell = self.told.append
 
-    def has_motion(self, tasks: Sequence[Task]) -> list[bool]:
+    def suspects(self, tasks: Sequence[Task]) -> list[Suspect]:
         self.drawn += tasks
-        return [task.speed < self.limit for task in tasks]
+        return [Suspect(task, frozenset({0}), True, False) for task in tasks if task.speed >= self.limit]
 
-    def find_borders(self, tasks: Sequence[Task]) -> None:
-        assert all(task.speed >= self.limit for task in tasks)
+    def look_closely(self, suspects: Sequence[Suspect]) -> None:
+        assert all(one.task.speed >= self.limit for one in suspects)
         self.limit += self.learnt
 
 
@@ -42,7 +43,7 @@ def test_a_map_whose_picks_all_have_a_motion_is_drawn_once() -> None:
     making = Making(limit=99.0, learnt=0.0)
     assert rehearse(making, 50, 7) == 0  # type: ignore[arg-type]
     assert len(making.drawn) == 50
-    assert making.told == ["0 of 50 random picks have no motion, draw 1"]
+    assert making.told == ["of 50 random picks 0 are suspicious, 0 have no motion"]
 
 
 def test_it_is_drawn_anew_until_it_has_learnt() -> None:
