@@ -47,7 +47,7 @@ def _middle(growth: Growth, sheet: int, place: Place) -> Place | None:
 def _try(growth: Growth, places: Sequence[tuple[int, Place]]) -> None:
     """A node of each pattern at its place, or the knowledge that there is none: by quick solves, then by careful ones.
 
-    Near a border costs rise steeply, and there a third of what quick solves give up has a motion.
+    Near a border costs rise steeply, and there a sixth of what quick solves give up has a motion.
     """
     left = [(sheet, place) for sheet, place in dict.fromkeys(places) if place not in growth.nodes[sheet]]
     for solve in (growth.solver.nodes, growth.solver.careful_nodes):

@@ -194,7 +194,7 @@ class MapInMaking:
 
     def picking_atlas(self) -> Atlas:
         """The same of the gaits that the map would choose from: those that are a label."""
-        return self.costs_atlas().of([number for number, gait in enumerate(self.gaits) if gait in self.labelled])
+        return self.costs_atlas().of(sorted(self.picked))
 
     def built(self) -> Atlas:
         """The whole atlas, whose gaits are numbers of `gaits`."""
@@ -222,8 +222,7 @@ class MapInMaking:
 
     def _picks(self, tasks: Sequence[Task]) -> list[int]:
         """The number of the gait that the map picks at each task, -1 where its atlas knows none."""
-        kept = [number for number, gait in enumerate(self.gaits) if gait in self.labelled]
-        atlas, picks = self.picking_atlas(), []
+        kept, atlas, picks = sorted(self.picked), self.picking_atlas(), []
         for task in tasks:
             ranked = atlas.ranked(np.array(task.on(atlas.axes)))
             picks.append(kept[atlas.sheets[ranked[0]].gait] if ranked else -1)
