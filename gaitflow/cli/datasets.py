@@ -6,13 +6,14 @@ from pathlib import Path
 
 import click
 
-from gaitflow.cli.errors import bad_input, print_json, refused_artifact
-from gaitflow.cli.options import PUBLISHED, json_option
+from gaitflow.cli.errors import bad_input, fail, print_json, refused_artifact
+from gaitflow.cli.options import PUBLISHED, json_option, scenario_argument
+from gaitflow.pipeline.workspace import Workspace
 
 
 @click.group()
 def datasets() -> None:
-    """Prepare published datasets for others.
+    """Publish searches, and prepare published datasets for others.
 
     \b
     Example: gaitflow datasets describe datasets/anymal-energy --output anymal-energy-1.0.0
@@ -44,3 +45,28 @@ def describe(dataset: Path, output: Path, as_json: bool) -> None:
     if as_json:
         return print_json([str(path) for path in written])
     click.echo("\n".join(map(str, written)))
+
+
+@datasets.command()
+@scenario_argument
+@click.pass_obj
+def publish(workspace: Workspace, scenario: str) -> None:
+    """Publish the searches of SCENARIO as a dataset, without a map.
+
+    Of an adaptive sampling that was stopped these are the searches so far: a later one can begin from them, on another
+    machine, too.
+
+    \b
+    Example: gaitflow datasets publish anymal-omni
+             gaitflow solve anymal-omni --begin datasets/anymal-omni
+    """
+    from gaitflow.dataset.collect import NotComplete
+    from gaitflow.pipeline.searches import publish_searches
+
+    with bad_input():
+        resolved = workspace.scenario(scenario)
+        try:
+            folder = publish_searches(workspace, resolved)
+        except NotComplete as error:
+            fail(str(error))
+    click.echo(f"dataset:  {folder}")

@@ -8,7 +8,7 @@ from typing import Any
 import click
 
 from gaitflow.cli.errors import bad_input, fail, print_json, refused_artifact, warn_of_training
-from gaitflow.cli.options import json_option, profile_option, scenario_argument, workers_option
+from gaitflow.cli.options import PUBLISHED, json_option, profile_option, scenario_argument, workers_option
 from gaitflow.config.file import ConfigError
 from gaitflow.core.task import AXES
 from gaitflow.pipeline import stages
@@ -66,8 +66,9 @@ def run(workspace: Workspace, scenario: str, workers: int, profile_file: Path | 
 @scenario_argument
 @workers_option
 @profile_option
+@click.option("--begin", type=PUBLISHED, help="A published dataset from whose searches an adaptive sampling begins.")
 @click.pass_obj
-def solve(workspace: Workspace, scenario: str, workers: int, profile_file: Path | None) -> None:
+def solve(workspace: Workspace, scenario: str, workers: int, profile_file: Path | None, begin: Path | None) -> None:
     """Solve every task of SCENARIO that is not stored yet.
 
     The workers are processes of this machine; with --profile they are jobs of a cluster, driven from here. Stop it
@@ -88,7 +89,7 @@ def solve(workspace: Workspace, scenario: str, workers: int, profile_file: Path 
         warn_of_training(resolved)
         try:
             profile = None if profile_file is None else load_profile(profile_file)
-            state, path = stages.solve(workspace, resolved, workers, profile)
+            state, path = stages.solve(workspace, resolved, workers, profile, begin)
         except (RunFailed, NotComplete, DriverAlive, SchedulerError, EmptyDomain) as error:
             fail(str(error))
     click.echo(f"{state.solved} units solved, {state.failed} given up: {path}")

@@ -41,8 +41,9 @@ def collect(
     scenario: Scenario,
     chosen: Sequence[Task] | None = None,
     held_out: Collection[Task] = (),
+    target: Path | None = None,
 ) -> Path:
-    """Merge every unit of `scenario` into one file, `<store>/solutions.parquet`, and return its path.
+    """Merge every unit of `scenario` into one file, `<store>/solutions.parquet` or `target`, and return its path.
 
     `chosen` are the tasks of an adaptive sampling, `held_out` those of them that nothing was learnt from. Of the others
     the mirror images are rows, too, where the map has them.
@@ -71,7 +72,7 @@ def collect(
         rows = pd.concat([rows, *images.scalars(columns)]).sort_values(
             row_order(schema.names), kind="stable", ignore_index=True
         )
-        target = store.folder / FILE_NAME
+        target = store.folder / FILE_NAME if target is None else target
         read = functools.lru_cache(maxsize=OPEN_PARTS)(
             lambda index: store.read(units[index]) if index < len(units) else images.read(index)
         )

@@ -47,12 +47,13 @@ class PublishedRun:
 
 
 def solve(
-    workspace: Workspace, scenario: Scenario, workers: int, profile: Profile | None = None
+    workspace: Workspace, scenario: Scenario, workers: int, profile: Profile | None = None, begin: Path | None = None
 ) -> tuple[RunState, Path]:
     """Solve every unit that the store lacks and collect them into one file; choose the tasks first, where it says so.
 
-    On `workers` processes of this machine, or with a profile on the jobs of a cluster. Raises DriverAlive when
-    another process or job solves the run, WriteError.
+    On `workers` processes of this machine, or with a profile on the jobs of a cluster. `begin` is a dataset from whose
+    searches the sampling begins. Raises DriverAlive when another process or job solves the run, WriteError, ValueError
+    when the dataset is not sound or of other searches.
     """
     from gaitflow.dataset.collect import collect
     from gaitflow.execute.display import display
@@ -69,35 +70,28 @@ def solve(
             return drive(plan_units(scenario, tasks), store, tell, workers, profile)
 
         if scenario.tasks.adaptive is None:
+            if begin is not None:
+                raise ValueError(f"{scenario.name}: its tasks are a grid; only a sampling begins from a dataset")
             return search(), collect(store, scenario)
         from gaitflow.execute.node_processes import node_processes
         from gaitflow.pipeline.sampling import sample
+        from gaitflow.pipeline.searches import begin_from
         from gaitflow.sampling.rounds import held_out
 
+        known = [] if begin is None else begin_from(store, scenario, begin)
         with node_processes(scenario, workers) as each:
-            rounds = sample(run, scenario, search, tell, each)
+            rounds = sample(run, scenario, search, tell, each, known)
         chosen = [task for one in rounds for task in one.tasks]
         return search(chosen), collect(store, scenario, chosen, held_out(rounds))
 
 
 def label(workspace: Workspace, scenario: Scenario) -> pd.DataFrame:
     """Label every task with its cheapest gait; writes the labels and the gaits' costs."""
-    from gaitflow.config.tasks import tasks_of
-    from gaitflow.dataset import load_solutions
-    from gaitflow.dataset.gaps import with_motion_checks
-    from gaitflow.dataset.labels import gait_costs, label_tasks, mark_failed
+    from gaitflow.pipeline.labelling import write_labels
 
     run = workspace.run(scenario)
     _need(run.solutions, f"gaitflow solve {scenario.name}")
-    solutions = load_solutions(run.solutions)
-    costs = gait_costs(solutions.frame(), scenario.robot.leg_names)
-    knots = scenario.transcription.knots_per_phase
-    tasks = tasks_of(scenario) if scenario.tasks.adaptive is None else solutions.tasks()
-    labels = label_tasks(costs, tasks, scenario.learning.tie_tolerance, knots)
-    labels = with_motion_checks(mark_failed(labels, solutions.frame()), solutions)
-    _write_table(run.gait_costs, costs)
-    _write_table(run.labels, labels)
-    return labels
+    return write_labels(run, scenario)
 
 
 def atlas(workspace: Workspace, scenario: Scenario, workers: int = 1) -> dict[str, Any]:
@@ -363,19 +357,6 @@ def _domain(run: Run, scenario: Scenario, labels: pd.DataFrame) -> Domain:
     for place in solved[list(axes)].itertuples(index=False, name=None):
         feasible[tuple(values.index(value) for values, value in zip(axes.values(), place, strict=True))] = True
     return Domain(axes, feasible)
-
-
-def _write_table(path: Path, frame: pd.DataFrame) -> None:
-    import io
-
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    from gaitflow.tables.columns import described
-
-    buffer = io.BytesIO()
-    pq.write_table(described(pa.Table.from_pandas(frame, preserve_index=False)), buffer)
-    atomic_write(path, buffer.getvalue())
 
 
 def _need(path: Path, command: str) -> None:

@@ -11,6 +11,7 @@ from gaitflow.publishing.judge_map import faults_of_certificate
 from gaitflow.report.tables import Table, percent
 
 ROUNDS = {
+    "known": "of an earlier sampling",
     "start": "spread over the box",
     "doubt": "where the map was unsure",
     "certificate": "random, for a certificate",
@@ -74,7 +75,7 @@ def rounds_table(record: SamplingRecord) -> Table:
             ROUNDS[one["kind"]],
             str(one["tasks"]),
             str(one["searched"]),
-            "–" if one["kind"] == "start" else str(one["wrong"]),
+            "–" if one["kind"] in ("known", "start") else str(one["wrong"]),
             str(one["gaits"]),
             percent(one["dearer_bound"]),
             percent(one["infeasible_bound"]),

@@ -9,10 +9,10 @@ from typing import Any, Literal
 from gaitflow.core.task import Split, Task
 from gaitflow.core.task_space import TaskSpace
 
-# start: spread over the box. doubt: where the map was least sure. certificate: drawn at random for a new certificate;
-# more: the same certificate again, with more tasks.
-Kind = Literal["start", "doubt", "certificate", "more"]
-KINDS: tuple[Kind, ...] = ("start", "doubt", "certificate", "more")
+# known: of the dataset that the sampling begins from. start: spread over the box. doubt: where the map was least sure.
+# certificate: drawn at random for a new certificate; more: the same certificate again, with more tasks.
+Kind = Literal["known", "start", "doubt", "certificate", "more"]
+KINDS: tuple[Kind, ...] = ("known", "start", "doubt", "certificate", "more")
 
 
 @dataclass(frozen=True)

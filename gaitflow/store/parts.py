@@ -82,9 +82,16 @@ class UnitStore:
             if shelf.is_dir():
                 yield from (entry.name for entry in _entries(shelf.path) if _PART.fullmatch(entry.name))
 
-    def write(self, unit: Unit, solutions: Sequence[Solution], solver_options: Mapping[str, Any]) -> bool:
+    def write(
+        self,
+        unit: Unit,
+        solutions: Sequence[Solution],
+        solver_options: Mapping[str, Any],
+        maker: Mapping[str, Any] | None = None,
+    ) -> bool:
         """Store a unit's solutions durably: False when another process had stored the unit before.
 
+        `maker` says who solved it, as `provenance.made_by` does, where it was not this process.
         Raises WriteError when the disk refuses, ValueError when an array has not the scenario's shape or when the
         solutions are not those of the unit's tasks.
         """
@@ -92,7 +99,7 @@ class UnitStore:
         if given != set(unit.tasks):
             odd = sorted(given ^ set(unit.tasks))
             raise ValueError(f"the solver's rows and the unit's tasks differ, for one in {odd[0]}")
-        kept = self.packs.find(unit.digest) is None and self._write(unit, solutions, solver_options)
+        kept = self.packs.find(unit.digest) is None and self._write(unit, solutions, solver_options, maker)
         shutil.rmtree(self.unfinished(unit.digest), ignore_errors=True)
         return kept
 
@@ -168,11 +175,18 @@ class UnitStore:
             self._set_aside(path, path.stem, reason)
         return list(damaged.values())
 
-    def _write(self, unit: Unit, solutions: Sequence[Solution], solver_options: Mapping[str, Any]) -> bool:
+    def _write(
+        self,
+        unit: Unit,
+        solutions: Sequence[Solution],
+        solver_options: Mapping[str, Any],
+        maker: Mapping[str, Any] | None,
+    ) -> bool:
+        record = unit_record(unit.digest, unit.as_data(), solver_options, maker)
         table = solutions_to_table(solutions, unit.scenario.as_data())
         try:
             with new_file(self.path(unit.digest), replace=False) as file:
-                seal.write_sealed(file, table.schema, [table], unit_record(unit.digest, unit.as_data(), solver_options))
+                seal.write_sealed(file, table.schema, [table], record)
         except FileExistsError:
             return False
         return True

@@ -25,15 +25,20 @@ READ = (1, 2)
 PACKAGES = ("casadi", "qdldl", "numpy", "pyarrow", "pydantic")
 
 
-def unit_record(digest: str, unit: Mapping[str, Any], solver_options: Mapping[str, Any]) -> dict[str, Any]:
-    """Record of one part of the store: the unit's digest and its whole JSON data, who solved it, and how."""
+def unit_record(
+    digest: str, unit: Mapping[str, Any], solver_options: Mapping[str, Any], maker: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """Record of one part of the store: the unit's digest and its whole JSON data, who solved it, and how.
+
+    `maker` is another process that solved it, as `made_by` tells of this one.
+    """
     return {
         "format": FORMAT,
         "kind": "unit",
         "unit_digest": digest,
         "unit": dict(unit),
         "solver_options": dict(solver_options),
-        "made_by": made_by(),
+        "made_by": made_by() if maker is None else dict(maker),
         "created": _now(),
     }
 

@@ -95,6 +95,35 @@ def test_a_map_chooses_its_tasks_until_it_is_certified(tmp_path: Path) -> None:
     assert np.isclose(asked["dearer_bound"], 1.0) or asked["dearer_bound"] < 0.9
 
 
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+def test_a_sampling_begins_from_the_searches_of_a_stopped_one(tmp_path: Path) -> None:
+    first, second = tmp_path / "first", tmp_path / "second"
+    finer = SCENARIO.replace("knots_per_phase: 5", "knots_per_phase: 8")  # costs within 1 % of an exact quadrature's
+    for folder, text in ((first, finer.replace("most: 60", "most: 4")), (second, finer)):
+        folder.mkdir()
+        (folder / "small.yaml").write_text(text)
+    gaitflow(first, "solve", "small.yaml")
+    assert "datasets/adaptive-small/1.0.0" in gaitflow(first, "datasets", "publish", "small.yaml")
+    assert gaitflow(first, "verify", "datasets/adaptive-small")
+    begun = read(first / "runs" / "adaptive-small" / "sampling" / "rounds.json")[0]["tasks"]
+
+    begin = ("solve", "small.yaml", "--begin", str(first / "datasets" / "adaptive-small"))
+    gaitflow(second, *begin)
+    run = second / "runs" / "adaptive-small"
+    rounds = read(run / "sampling" / "rounds.json")
+    assert [one["kind"] for one in rounds[:3]] == ["known", "start", "doubt"]
+    assert sorted(rounds[0]["tasks"]) == sorted(begun) and len(rounds[1]["tasks"]) == 2, "what the start lacked"
+    assert read(run / "sampling" / "sampling.json")["certificate"]["dearer_bound"] <= 0.2
+    gaitflow(second, *begin)
+    assert read(run / "sampling" / "rounds.json") == rounds, "the same command goes on"
+    (run / "sampling" / "rounds.json").write_text(json.dumps(rounds[1:]))
+    done = subprocess.run(
+        [sys.executable, "-m", "gaitflow.cli", *begin], cwd=second, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 2 and "has begun already, and not from this dataset" in done.stderr
+
+
 def test_a_box_without_a_motion_is_one_line(tmp_path: Path) -> None:
     nowhere = SCENARIO.replace("{start: 0.3, stop: 1.5, count: 4}", "{start: 18.0, stop: 19.0, count: 2}")
     (tmp_path / "small.yaml").write_text(nowhere.replace("start: 6, each: 3, most: 60", "start: 2, each: 1, most: 4"))

@@ -33,7 +33,7 @@ def test_anything_else_is_one_line(data: Any) -> None:
 
 def test_held_out_is_the_last_certificate_with_its_further_tasks() -> None:
     start, first, more = a_round("start", 0.1), a_round("certificate", 0.2), a_round("more", 0.3)
-    assert held_out([start]) == set()
+    assert held_out([start]) == set() == held_out([a_round("known", 0.0)])
     assert held_out([start, first, more]) == {*first.tasks, *more.tasks}
     assert held_out([start, first, a_round("certificate", 0.4)]) == set(a_round("certificate", 0.4).tasks)
     assert held_out([start, first, more, a_round("doubt", 0.5)]) == set()

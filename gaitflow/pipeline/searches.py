@@ -1,0 +1,51 @@
+"""Searches as one sampling hands them to a later one: published without a map, and begun from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from gaitflow.config.scenario import Scenario
+from gaitflow.core.task import Task
+from gaitflow.dataset.collect import NotComplete, collect
+from gaitflow.dataset.restore import restore
+from gaitflow.files import make_folder
+from gaitflow.pipeline.labelling import write_labels
+from gaitflow.pipeline.sampling import chosen_tasks
+from gaitflow.pipeline.workspace import Run, Workspace
+from gaitflow.publishing.dataset import publish_dataset
+from gaitflow.publishing.find import version_folder
+from gaitflow.publishing.verify_dataset import verify_dataset
+from gaitflow.store.parts import UnitStore
+from gaitflow.store.units import plan_cold
+
+
+def publish_searches(workspace: Workspace, scenario: Scenario) -> Path:
+    """Publish the searches of a map that is not made yet as a dataset; returns its folder.
+
+    Of an adaptive sampling these are the tasks searched so far; a grid has to be complete. Raises NotComplete,
+    WriteError.
+    """
+    run = workspace.run(scenario)
+    store, searches = UnitStore(run.folder), Run(run.folder / "searches")
+    chosen = None
+    if scenario.tasks.adaptive is not None:
+        stored = store.solved()
+        units = plan_cold(scenario, chosen_tasks(run, scenario))
+        chosen = [unit.tasks[0] for unit in units if unit.digest in stored]
+        if not chosen:
+            raise NotComplete(f"{scenario.name}: nothing is searched yet; run gaitflow solve {scenario.name} first")
+    make_folder(searches.folder)
+    collect(store, scenario, chosen, target=searches.solutions)
+    write_labels(searches, scenario)
+    return publish_dataset(workspace.datasets, searches.solutions, searches.labels, searches.gait_costs)
+
+
+def begin_from(store: UnitStore, scenario: Scenario, dataset: Path) -> list[Task]:
+    """The tasks of a published dataset, whose searches the store has from now on.
+
+    `dataset` is a version's folder or one of versions. Raises ValueError when it is not sound or of other searches.
+    """
+    folder = version_folder(dataset)
+    if faults := verify_dataset(folder):
+        raise ValueError(f"{folder}: is not sound: {faults[0]}; gaitflow verify {folder} lists all that is wrong")
+    return restore(store, scenario, folder)

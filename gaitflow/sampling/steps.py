@@ -1,0 +1,185 @@
+"""What an adaptive sampling does next: the kind of the next round, its tasks, and what a searched round came to."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from gaitflow.certificate.bound import chances_of, tasks_needed
+from gaitflow.certificate.certificate import Certificate, certify
+from gaitflow.certificate.draw import draw_tasks
+from gaitflow.certificate.judge import Verdict
+from gaitflow.config.tasks import tasks_of
+from gaitflow.core.task import Task
+from gaitflow.sampling.doubt import next_places
+from gaitflow.sampling.making import MapInMaking
+from gaitflow.sampling.rehearsal import rehearse
+from gaitflow.sampling.rounds import Kind, Round, task_at
+
+QUIET = 0.1  # of a round's picks that may be wrong for a certificate to be tried
+FORGIVEN = 3  # failures after which the same certificate may be tried with more tasks
+MORE_SEEDS = 1000  # apart: seeds of the parts of a sampling, so that none repeats another's numbers
+
+
+class Steps:
+    """What comes next, from what the rounds so far came to."""
+
+    def __init__(self, making: MapInMaking, seed: int) -> None:
+        self._making, self._seed = making, seed
+        sampling = making.scenario.tasks.adaptive
+        assert sampling is not None
+        self._sampling = sampling
+        self._quiet = False
+        self._asked = 0
+        self._prepared = -1  # the number of rounds after which the map was prepared for a certificate
+        self._prepared_before = False  # whether it was before the last round
+        self._lacking = 0
+        self._rounds = self._certificates = 0
+        self._known = 0  # tasks of the dataset that the sampling began from
+        self._drawn: list[Task] = []  # of the certificate that is being tried
+        self._verdicts: list[Verdict] = []
+        self.certificate: Certificate | None = None
+        self.missed = 0
+        self.curve: list[dict[str, Any]] = []
+
+    def next_kind(self, left: int) -> Kind | None:
+        """The kind of the next round, of at most `left` tasks; None when the sampling is over."""
+        if self._is_good or left <= 0:
+            return None
+        if self._start:
+            return "start"
+        if self._drawn and self._few_failures and 0 < self._more <= min(left, 2 * len(self._drawn)):
+            return "more"
+        if not self._is_ready or self._tasks_for(0) > left:
+            return "doubt"
+        # Tests and random picks may show where a gait is missing: one more round looks there.
+        return "doubt" if self._prepare() and not self._prepared_before else "certificate"
+
+    def begin(self, kind: Kind) -> None:
+        """What a round of a kind changes in the map before its tasks are chosen."""
+        self._prepared_before = self._is_ready
+        if self._is_ready:
+            self._prepare()
+        if kind == "doubt" and self._drawn:  # the map was not good enough: the certificate's tasks help to make it
+            self._making.take(self._drawn, self._verdicts)
+            self._drawn, self._verdicts = [], []
+        if kind == "certificate":
+            self._certificates += 1
+
+    def tasks_of(self, kind: Kind, left: int) -> list[Task]:
+        """The tasks of a round of a kind that was begun, `left` at most."""
+        making, grid = self._making, self._making.growth.grid
+        if kind == "start":
+            return self._start[:left]
+        if kind == "certificate":
+            return self._draw(self._tasks_for(0))
+        if kind == "more":
+            return self._draw(self._more)
+        number = min(self._sampling.further(len(grid)), left)
+        low, high = (np.array([values[end] for values in grid]) for end in (0, -1))
+        seed = self._seed * MORE_SEEDS + self._rounds
+        atlas, picked = making.costs_atlas(), making.picked
+        places = next_places(atlas, picked, making.places, making.regrets, low, high, number, seed)
+        return [task_at(making.scenario.tasks.space, place) for place in places]
+
+    def done(self, one: Round) -> Round:
+        """Take in a round that was searched; returns it with what it came to."""
+        making, self._rounds = self._making, self._rounds + 1
+        self._known += len(one.tasks) if one.kind == "known" else 0
+        inside = [task for task in one.tasks if making.domain.contains(task)]
+        verdicts = making.judge(inside)
+        if not one.of_certificate:
+            making.take(one.tasks, verdicts)
+            wrong = sum(verdict.dearer for verdict in verdicts)
+            self._quiet = one.kind == "doubt" and wrong <= QUIET * len(one.tasks)
+            self._tell_curve(one, wrong)
+            return one
+        self._drawn += one.tasks
+        self._verdicts += verdicts
+        self._asked += 1
+        self.certificate = certify(self._verdicts, self._further(), self._asked, self._seed)
+        self._tell_curve(one, self.certificate.dearer)
+        return replace(one, certificate=self.certificate.as_data())
+
+    @property
+    def _start(self) -> list[Task]:
+        """The tasks of the start that are not searched yet."""
+        searched = set(self._making.tasks)
+        return [task for task in tasks_of(self._making.scenario) if task not in searched]
+
+    @property
+    def _is_ready(self) -> bool:
+        """Whether the last round found the map good enough to be prepared for a certificate."""
+        return self._quiet and not self._drawn
+
+    def _prepare(self) -> int:
+        """Test the map and plan random picks, once a round; at how many tasks of the last draw it lacks a gait."""
+        if self._prepared != self._rounds:
+            self._prepared, making = self._rounds, self._making
+            making.fill()
+            planned = tasks_needed(0, self._sampling.infeasible, chances_of(1)[1])
+            seed = (self._seed + 1) * MORE_SEEDS**4 + self._rounds * MORE_SEEDS
+            self._lacking = rehearse(making, planned, seed)
+            self.missed = making.settle()
+        return self._lacking
+
+    @property
+    def _is_good(self) -> bool:
+        found = self.certificate
+        return (
+            found is not None
+            and bool(self._drawn)
+            and found.dearer_bound <= self._sampling.dearer
+            and found.infeasible_bound <= self._sampling.infeasible
+        )
+
+    @property
+    def _few_failures(self) -> bool:
+        """Whether more tasks may show that the map is good enough: a pick without a motion is one too many."""
+        found = self.certificate
+        return found is not None and found.infeasible == 0 and self._failures <= FORGIVEN
+
+    @property
+    def _failures(self) -> int:
+        return sum(verdict.dearer for verdict in self._verdicts)
+
+    def _tasks_for(self, failures: int) -> int:
+        return tasks_needed(failures, self._sampling.dearer, chances_of(self._asked + 1)[0])
+
+    @property
+    def _more(self) -> int:
+        """How many tasks more would make a certificate with the failures that there are good enough."""
+        return self._tasks_for(self._failures) - len(self._drawn)
+
+    def _draw(self, number: int) -> list[Task]:
+        """Fresh tasks of the domain, after those of this certificate."""
+        # Earlier samplings had fewer certificates than the tasks that are known of them: none is drawn again.
+        making, seed = self._making, (self._seed + 1) * MORE_SEEDS**2 + self._known + self._certificates
+        return draw_tasks(making.domain, making.scenario.tasks.space, number, seed, "sampled", skip=len(self._drawn))
+
+    def _further(self) -> list[bool]:
+        """Whether picks have a motion at further fresh tasks: as many as the bound on infeasible picks needs."""
+        infeasible = sum(verdict.infeasible for verdict in self._verdicts)
+        needed = tasks_needed(infeasible, self._sampling.infeasible, chances_of(self._asked)[1])
+        number = max(needed - len(self._verdicts), 0)
+        seed = (self._seed + 1) * MORE_SEEDS**3 + self._known + self._asked
+        making = self._making
+        making.tell(f"{number} further picks planned")
+        return making.has_motion(draw_tasks(making.domain, making.scenario.tasks.space, number, seed, "sampled"))
+
+    def _tell_curve(self, one: Round, wrong: int) -> None:
+        making, found = self._making, self.certificate if one.of_certificate else None
+        self.curve.append(
+            {
+                "kind": one.kind,
+                "tasks": len(one.tasks),
+                "searched": len(making.tasks) + len(self._drawn),
+                "wrong": wrong,
+                "gaits": len(making.labelled),
+                "inside": float(making.domain.feasible.mean()),
+                "dearer_bound": None if found is None else found.dearer_bound,
+                "infeasible_bound": None if found is None else found.infeasible_bound,
+            }
+        )
