@@ -29,6 +29,7 @@ from gaitflow.pipeline.sampling import sample
 from gaitflow.pipeline.searched import motions_of, scalars_of
 from gaitflow.pipeline.workspace import Run
 from gaitflow.sampling.making import MapInMaking
+from gaitflow.sampling.picks import Picks
 from gaitflow.sampling.rounds import held_out, rounds_from, task_at
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import plan_cold
@@ -130,7 +131,7 @@ def _judged(making: MapInMaking, tasks: Sequence[Task], judges: Sequence[Task]) 
     making.take(tasks, [])
     making.settle()
     inside = [task for task in judges if making.domain.contains(task)]
-    dearer = sum(verdict.dearer for verdict in making.judge(inside))
+    dearer = sum(verdict.dearer for verdict in Picks(making).judge(inside))
     return {
         "judged": len(inside),
         "dearer": dearer,

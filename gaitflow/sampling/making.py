@@ -4,21 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
-from gaitflow.atlas.border import find_borders
 from gaitflow.atlas.compress import build_atlas, cost_atlas
-from gaitflow.atlas.fill import LIMIT, fill
+from gaitflow.atlas.fill import fill
 from gaitflow.atlas.grow import Growth
 from gaitflow.atlas.judge import Predictions, judge_predictions
 from gaitflow.atlas.mirror import NodeImages
 from gaitflow.atlas.node import Each, NodeSolver
 from gaitflow.atlas.patterns import full_patterns, map_symmetry, nearly_best
 from gaitflow.atlas.settle import known_costs, settle
-from gaitflow.certificate.judge import DEARER, Verdict, judge_picks
+from gaitflow.certificate.judge import DEARER, Verdict
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.domain import Domain
 from gaitflow.core.gaits import Pattern, gait_of
@@ -27,30 +25,11 @@ from gaitflow.core.trajectory import Array
 from gaitflow.dataset.labels import gait_costs, label_tasks
 from gaitflow.dataset.mirror import MirrorImage, has_images, images_of
 from gaitflow.problem import transcribe
-from gaitflow.runtime.atlas import SUPPORT, Atlas
-from gaitflow.search.attempts import best_of, until_feasible
+from gaitflow.runtime.atlas import Atlas
 from gaitflow.search.solution import Solution
-from gaitflow.solvers.fixed_gait import FixedGaitSolver
-
-STARTS = 2  # nearest nodes of a pattern from which a pick is solved
-HALF_BELIEVED = SUPPORT / 2  # support from which a cheaper gait makes a pick suspicious
 
 ReadSolutions = Callable[[Sequence[Task]], Iterable[Solution]]  # of searched tasks, with their motions
 Tell = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class Suspect:
-    """A task whose pick, once planned, may be wrong.
-
-    `gaits` are the numbers of the pick and of gaits of the map that may cost less. infeasible: the pick has no motion.
-    missing: another gait, which the map does not pick from, is predicted to cost less.
-    """
-
-    task: Task
-    gaits: frozenset[int]
-    infeasible: bool
-    missing: bool
 
 
 class MapInMaking:
@@ -74,18 +53,17 @@ class MapInMaking:
         self._regrets: dict[Task, float] = {}  # of the pick at each task, before it was searched
         self.gaits: list[str] = []  # their keys, since the name of one depends on which others there are
         self.labelled: set[str] = set()
-        self._scalars, self._motions, self.tell = scalars, motions, tell
+        self.scalars, self._motions, self.tell = scalars, motions, tell
         self._numbers: list[int] = []  # the gait of each full pattern of the growth
         self._rows, self._costs = pd.DataFrame(), pd.DataFrame()
-        self._problem = transcribe(scenario)
+        self.problem = transcribe(scenario)
         self._symmetry = map_symmetry(scenario)
         axes = {axis: values.values for axis, values in scenario.tasks.ranges.items()}
         everywhere = Domain(axes, np.ones(tuple(map(len, axes.values())), dtype=bool))
-        solver = NodeSolver(self._problem, [], each)
-        self.growth = Growth(self._problem, solver, everywhere, on_node=lambda nodes: tell(f"{nodes} nodes"))
+        solver = NodeSolver(self.problem, [], each)
+        self.growth = Growth(self.problem, solver, everywhere, on_node=lambda nodes: tell(f"{nodes} nodes"))
         if has_images(scenario):
             self.growth.images = NodeImages(MirrorImage(scenario), tuple(axes))
-        self._solver = FixedGaitSolver(self._problem, scenario.strategy.solve_time_limit)
 
     @property
     def domain(self) -> Domain:
@@ -112,7 +90,7 @@ class MapInMaking:
         tolerance, legs = self.scenario.learning.tie_tolerance, self.scenario.robot.leg_names
         self._regrets |= {verdict.task: verdict.excess for verdict in verdicts}
         before, self.tasks = self.tasks, [*self.tasks, *tasks]
-        self._rows = pd.concat([self._rows, self._scalars(tasks)], ignore_index=True)
+        self._rows = pd.concat([self._rows, self.scalars(tasks)], ignore_index=True)
         costs = gait_costs(self._rows, legs)
         competing = set(costs.loc[costs["excess"] <= nearly_best(len(self.growth.grid)), "gait_key"])
         self.gaits += sorted(competing - set(self.gaits))
@@ -153,35 +131,14 @@ class MapInMaking:
         def on_test(done: int, most: int) -> None:
             self.tell(f"test {done} of {most}")
 
-        with self._inside():
+        with self.inside():
             fill(self.growth, self.built, self.scenario.learning.tie_tolerance, on_test=on_test)
 
     def settle(self) -> int:
         """Nodes where the pick is not the search's; at how many known tasks it still is another one."""
         known = known_costs(self._costs, "gait_key", self.gaits, self.scenario.tasks.space.ranged)
-        with self._inside():
+        with self.inside():
             return settle(self.growth, self._numbers, known, DEARER, self.tell)
-
-    def suspects(self, tasks: Sequence[Task]) -> list[Suspect]:
-        """Of tasks that were not searched those whose pick may be wrong."""
-        atlas, picks, picked = self.costs_atlas(), self._picks(tasks), self.picked
-        found = []
-        for task, pick, cost in zip(tasks, picks, self._pick_costs(tasks, picks), strict=True):
-            costs, support = atlas.costs(np.array(task.on(atlas.axes)))
-            cheaper = costs * self._problem.cost_scale * (1 + DEARER) < (np.inf if cost is None else cost)
-            rivals = {atlas.sheets[sheet].gait for sheet in np.flatnonzero(cheaper & (support >= HALF_BELIEVED))}
-            missing = {atlas.sheets[sheet].gait for sheet in np.flatnonzero(cheaper & (support >= SUPPORT))} - picked
-            if cost is None or rivals - {pick}:
-                found.append(Suspect(task, frozenset((rivals & picked) | {pick}), cost is None, bool(missing)))
-        return found
-
-    def look_closely(self, suspects: Sequence[Suspect]) -> None:
-        """Nodes of the suspected gaits at their tasks, or the borders before which their motions end."""
-        ranged = self.scenario.tasks.ranges
-        gaits = [(gait, one.task.on(ranged)) for one in suspects for gait in sorted(one.gaits)]
-        with self._inside():
-            find_borders(self.growth, [(sheet, place) for gait, place in gaits for sheet in self._sheets_of(gait)])
-            self.growth.spread()
 
     @property
     def picked(self) -> set[int]:
@@ -202,71 +159,15 @@ class MapInMaking:
 
     def judge_predictions(self) -> Predictions:
         """How good the predictions of the whole atlas are inside the domain."""
-        with self._inside():
+        with self.inside():
             return judge_predictions(self.growth, self.built())
 
-    def judge(self, tasks: Sequence[Task]) -> list[Verdict]:
-        """What the map's picks come to at tasks of its domain that were searched."""
-        if not tasks:
-            return []
-        costs = gait_costs(self._scalars(tasks), self.scenario.robot.leg_names)
-        picks = self._picks(tasks)
-        names = [self.gaits[pick] if pick >= 0 else "" for pick in picks]
-        by_task = dict(zip(tasks, picks, strict=True))
-        return judge_picks(list(tasks), names, costs, lambda task: self._pick_costs([task], [by_task[task]])[0])
-
-    def has_motion(self, tasks: Sequence[Task]) -> list[bool]:
-        """Whether the map's pick has a motion, at tasks of its domain that were not searched."""
-        picks = self._picks(tasks)
-        return [cost is not None for cost in self._pick_costs(tasks, picks)]
-
-    def _picks(self, tasks: Sequence[Task]) -> list[int]:
-        """The number of the gait that the map picks at each task, -1 where its atlas knows none."""
-        kept, atlas, picks = sorted(self.picked), self.picking_atlas(), []
-        for task in tasks:
-            ranked = atlas.ranked(np.array(task.on(atlas.axes)))
-            picks.append(kept[atlas.sheets[ranked[0]].gait] if ranked else -1)
-        return picks
-
-    def _pick_costs(self, tasks: Sequence[Task], picks: Sequence[int]) -> list[float | None]:
-        """The least cost of a gait at each task, from its nearest nodes, else other starts; None without a motion."""
-        places = [task.on(self.scenario.tasks.ranges) for task in tasks]
-        sheets = [self._sheets_of(pick) for pick in picks]
-        found: dict[tuple[int, int], float] = {}
-        for start in range(STARTS):
-            asked = [
-                (number, sheet)
-                for number, each in enumerate(sheets)
-                for sheet in each
-                if (number, sheet) not in found and start < len(self.growth.nodes[sheet])
-            ]
-            requests = [
-                (sheet, places[number], self.growth.nearest(sheet, places[number], start + 1)[start])
-                for number, sheet in asked
-            ]
-            costs = self.growth.solver.costs_at(requests, LIMIT)
-            found |= {
-                at: cost * self._problem.cost_scale for at, cost in zip(asked, costs, strict=True) if cost is not None
-            }
-        return [
-            min(known) if (known := [found[number, sheet] for sheet in each if (number, sheet) in found])
-            else self._from_other_starts(each, task)
-            for number, (task, each) in enumerate(zip(tasks, sheets, strict=True))
-        ]  # fmt: skip
-
-    def _sheets_of(self, gait: int) -> list[int]:
+    def sheets_of(self, gait: int) -> list[int]:
+        """The sheets of a gait of that number that have a node."""
         return [sheet for sheet, number in enumerate(self._numbers) if number == gait and self.growth.nodes[sheet]]
 
-    def _from_other_starts(self, sheets: Sequence[int], task: Task) -> float | None:
-        restarts, found = self.scenario.strategy.restarts, list[float]()
-        for sheet in sheets:
-            pattern = self.growth.solver.patterns[sheet]
-            best = best_of(until_feasible(self._solver, pattern, task, None, restarts))
-            found += [] if best is None else [best.cost]
-        return min(found, default=None)
-
     @contextmanager
-    def _inside(self) -> Iterator[None]:
+    def inside(self) -> Iterator[None]:
         """For the length of a block nodes are inside the domain only, not anywhere in the box."""
         everywhere, self.growth.domain = self.growth.domain, self.domain
         yield

@@ -9,11 +9,12 @@ from __future__ import annotations
 
 from gaitflow.certificate.draw import draw_tasks
 from gaitflow.sampling.making import MapInMaking
+from gaitflow.sampling.picks import Picks
 
 DRAWS = 4
 
 
-def rehearse(making: MapInMaking, number: int, seed: int) -> int:
+def rehearse(making: MapInMaking, picks: Picks, number: int, seed: int) -> int:
     """Plan `number` random picks, DRAWS times or until none is suspicious.
 
     Returns at how many tasks of the last draw the map lacks a gait: its pick has no motion, or one that the map does
@@ -21,11 +22,11 @@ def rehearse(making: MapInMaking, number: int, seed: int) -> int:
     """
     space, lacking = making.scenario.tasks.space, 0
     for draw in range(DRAWS):
-        suspects = making.suspects(draw_tasks(making.domain, space, number, seed + draw, "sampled"))
+        suspects = picks.suspects(draw_tasks(making.domain, space, number, seed + draw, "sampled"))
         without = sum(one.infeasible for one in suspects)
         lacking = sum(one.infeasible or one.missing for one in suspects)
         making.tell(f"of {number} random picks {len(suspects)} are suspicious, {without} have no motion")
         if not suspects:
             break
-        making.look_closely(suspects)
+        picks.look_closely(suspects)
     return lacking

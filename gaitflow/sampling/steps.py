@@ -15,6 +15,7 @@ from gaitflow.config.tasks import tasks_of
 from gaitflow.core.task import Task
 from gaitflow.sampling.doubt import next_places
 from gaitflow.sampling.making import MapInMaking
+from gaitflow.sampling.picks import Picks
 from gaitflow.sampling.rehearsal import rehearse
 from gaitflow.sampling.rounds import Kind, Round, task_at
 
@@ -27,7 +28,7 @@ class Steps:
     """What comes next, from what the rounds so far came to."""
 
     def __init__(self, making: MapInMaking, seed: int) -> None:
-        self._making, self._seed = making, seed
+        self._making, self._picks, self._seed = making, Picks(making), seed
         sampling = making.scenario.tasks.adaptive
         assert sampling is not None
         self._sampling = sampling
@@ -89,7 +90,7 @@ class Steps:
         making, self._rounds = self._making, self._rounds + 1
         self._known += len(one.tasks) if one.kind == "known" else 0
         inside = [task for task in one.tasks if making.domain.contains(task)]
-        verdicts = making.judge(inside)
+        verdicts = self._picks.judge(inside)
         if not one.of_certificate:
             making.take(one.tasks, verdicts)
             wrong = sum(verdict.dearer for verdict in verdicts)
@@ -121,7 +122,7 @@ class Steps:
             making.fill()
             planned = tasks_needed(0, self._sampling.infeasible, chances_of(1)[1])
             seed = (self._seed + 1) * MORE_SEEDS**4 + self._rounds * MORE_SEEDS
-            self._lacking = rehearse(making, planned, seed)
+            self._lacking = rehearse(making, self._picks, planned, seed)
             self.missed = making.settle()
         return self._lacking
 
@@ -167,7 +168,7 @@ class Steps:
         seed = (self._seed + 1) * MORE_SEEDS**3 + self._known + self._asked
         making = self._making
         making.tell(f"{number} further picks planned")
-        return making.has_motion(draw_tasks(making.domain, making.scenario.tasks.space, number, seed, "sampled"))
+        return self._picks.have_motions(draw_tasks(making.domain, making.scenario.tasks.space, number, seed, "sampled"))
 
     def _tell_curve(self, one: Round, wrong: int) -> None:
         making, found = self._making, self.certificate if one.of_certificate else None

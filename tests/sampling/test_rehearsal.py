@@ -12,7 +12,7 @@ import pytest
 from gaitflow.config.scenario import load_scenario
 from gaitflow.core.domain import Domain
 from gaitflow.core.task import Task
-from gaitflow.sampling.making import Suspect
+from gaitflow.sampling.picks import Suspect
 from gaitflow.sampling.rehearsal import DRAWS, rehearse
 
 SCENARIO = Path(__file__).parents[2] / "configs/scenarios/half-cheetah-exact-vibration.yaml"
@@ -41,20 +41,20 @@ class Making:
 
 def test_a_map_whose_picks_all_have_a_motion_is_drawn_once() -> None:
     making = Making(limit=99.0, learnt=0.0)
-    assert rehearse(making, 50, 7) == 0  # type: ignore[arg-type]
+    assert rehearse(making, making, 50, 7) == 0  # type: ignore[arg-type]
     assert len(making.drawn) == 50
     assert making.told == ["of 50 random picks 0 are suspicious, 0 have no motion"]
 
 
 def test_it_is_drawn_anew_until_it_has_learnt() -> None:
     making = Making(limit=1.0, learnt=99.0)
-    assert rehearse(making, 50, 7) == 0  # type: ignore[arg-type]
+    assert rehearse(making, making, 50, 7) == 0  # type: ignore[arg-type]
     assert len(making.drawn) == 100 == len(set(making.drawn)), "no task twice"
 
 
 def test_what_it_does_not_learn_is_counted() -> None:
     making = Making(limit=1.0, learnt=0.0)
-    without = rehearse(making, 50, 7)  # type: ignore[arg-type]
+    without = rehearse(making, making, 50, 7)  # type: ignore[arg-type]
     assert without == sum(task.speed >= 1.0 for task in making.drawn[-50:]) > 0
     assert len(making.drawn) == 50 * DRAWS
 
@@ -63,5 +63,5 @@ def test_what_it_does_not_learn_is_counted() -> None:
 def test_equal_seeds_draw_equal_tasks(seeds: tuple[int, int]) -> None:
     runs = [SimpleNamespace(making=Making(99.0, 0.0), seed=seed) for seed in seeds]
     for one in runs:
-        rehearse(one.making, 20, one.seed)  # type: ignore[arg-type]
+        rehearse(one.making, one.making, 20, one.seed)  # type: ignore[arg-type]
     assert (runs[0].making.drawn == runs[1].making.drawn) == (seeds[0] == seeds[1])
