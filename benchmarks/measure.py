@@ -14,7 +14,7 @@ import pandas as pd
 from benchmarks.clients import drive, starts, walk
 from benchmarks.hostile import bench as hostile
 from benchmarks.infrastructure import faults, overhead, scale, speedup, store
-from benchmarks.online import cpp, map, online, select
+from benchmarks.online import cpp, map, online, select, speed
 from benchmarks.paper import discovery, minlp, phases, ranking, stances, table1, table2
 from benchmarks.search import certificate, mesh, referee, sampling, scaling
 from benchmarks.search.tasks import task_of
@@ -73,6 +73,7 @@ def measure(
         "scale": lambda: scale.run(scenario, runs=runs, **own),
         "scaling": partial(_scaling, workspace, tasks or 10, seed),
         "select": lambda: select.run(resolve(workspace.models / scenario.name), seed=seed),
+        "speed": lambda: speed.run(workspace.models, seed=seed, runs=runs, **own),
         "speedup": lambda: speedup.run(scenario, profile=profile, runs=runs, **own),
         "stances": partial(_stances, workspace, scenario),
         "store": lambda: store.run(scenario, runs=runs, **own),

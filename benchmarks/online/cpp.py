@@ -41,9 +41,9 @@ def run(artifact: Path, tasks: int = TASKS, seed: int = 0) -> dict[str, Any]:
     gait_map = GaitMap.load(artifact)
     places = off_grid_places(gait_map.manifest.domain, tasks, seed)
     with tempfile.TemporaryDirectory() as scratch:
-        program, build_s = _built(artifact, Path(scratch))
+        program, build_s = built(artifact, Path(scratch))
         lines = "".join(" ".join(repr(place[axis]) for axis in gait_map.axes) + "\n" for place in places)
-        done = _run([str(program), str(program.parents[1] / "map" / "map.bin")], lines)
+        done = run_program([str(program), str(program.parents[1] / "map" / "map.bin")], lines)
     warm_up(gait_map)
     rows = [
         _row(gait_map, place, json.loads(answer), nudged=number < NUDGED)
@@ -52,19 +52,20 @@ def run(artifact: Path, tasks: int = TASKS, seed: int = 0) -> dict[str, Any]:
     return document("cpp", gait_map.manifest.name, rows, _summary(rows, build_s), NOTES)
 
 
-def _built(artifact: Path, scratch: Path) -> tuple[Path, float]:
-    """The program, of a map in `map` beside its folder, and the CPU time [s] of its build."""
+def built(artifact: Path, scratch: Path) -> tuple[Path, float]:
+    """The planner's program, of a map in `map` beside its folder, and the CPU time [s] of its build."""
     from gaitflow.export import export_c
 
     export, build = scratch / "map", scratch / "build"
     export_c(artifact, export)
     before = _children_s()
-    _run(["cmake", "-S", str(EXAMPLES), "-B", str(build), f"-Dgaitflow_map_DIR={export}"])
-    _run(["cmake", "--build", str(build), "--target", "plan"])
+    run_program(["cmake", "-S", str(EXAMPLES), "-B", str(build), f"-Dgaitflow_map_DIR={export}"])
+    run_program(["cmake", "--build", str(build), "--target", "plan"])
     return build / "plan", _children_s() - before
 
 
-def _run(command: Sequence[str], text: str = "") -> str:
+def run_program(command: Sequence[str], text: str = "") -> str:
+    """What a program says to a text. Raises RuntimeError with its last words where it fails."""
     done = subprocess.run(command, input=text, capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"{' '.join(command)}: {(done.stdout + done.stderr)[-1000:]}")

@@ -14,8 +14,8 @@ from gaitflow.pipeline.workspace import Workspace
 
 BENCHES = (
     "certificate", "clients", "cpp", "discovery", "drive", "faults", "hostile", "map", "mesh", "minlp", "online",
-    "overhead", "phases", "ranking", "referee", "sampling", "scale", "scaling", "select", "speedup", "stances", "store",
-    "table1", "table2", "walk",
+    "overhead", "phases", "ranking", "referee", "sampling", "scale", "scaling", "select", "speed", "speedup", "stances",
+    "store", "table1", "table2", "walk",
 )  # fmt: skip
 PIPED_WIDTH = 160  # a table in a file need not fit a terminal
 DEFAULT_SCENARIO = "half-cheetah-flat-effort"
@@ -65,6 +65,7 @@ def bench(
     overhead   what handing out a unit costs, and start-up to the first solve
     sampling   searches that a map needs: chosen where it is least sure, and on uniform grids
     scale      one driver with up to 400 workers that sleep: units a second, and what bounds them
+    speed      plans of every published map beside one IPOPT solve, in Python and C++ (needs cmake, cc, g++)
     speedup    two workers compared with one on the same units, here or with --profile on Slurm
     Example: gaitflow bench select --scenario quickstart
     """

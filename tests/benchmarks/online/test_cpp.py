@@ -23,4 +23,4 @@ def test_both_plan_the_same_tasks(pristine: Path) -> None:
 
 def test_a_program_that_fails_is_named() -> None:
     with pytest.raises(RuntimeError, match="false"):
-        cpp._run(["false"])
+        cpp.run_program(["false"])

@@ -1,0 +1,100 @@
+"""How much faster a plan is than one IPOPT solve, on every published map, in Python and in C++."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks import child
+from benchmarks.document import document
+from benchmarks.online import cpp, mean_start, plan_times
+from benchmarks.online.cpp import built, run_program
+from benchmarks.paper.fixed_gait import scenario_of
+from benchmarks.paper.table import off_grid_places
+from benchmarks.rows import Row, RowStore
+from gaitflow.files import sha256_file
+from gaitflow.runtime import GaitMap, atlas, gait_map, plan, problem, refine
+from gaitflow.runtime.files import MANIFEST
+from gaitflow.runtime.versions import resolve
+from gaitflow.solvers import interior_point, kkt, point, program
+
+TASKS = 200
+TASK_LIMIT_S = 60.0  # wall time of a plan and a solve, beyond which the process counts as hung
+AIMED_AT = {"python": 10.0, "cpp": 30.0}  # times one IPOPT solve, at the median
+_MODULES = (mean_start, plan_times, cpp, atlas, gait_map, interior_point, kkt, plan, point, problem, program, refine)
+NOTES = (
+    f"A row a map, its newest version. {TASKS} tasks are random by `seed`, uniform in its domain, off its grid. Each "
+    "is planned by GaitMap.plan and solved by IPOPT from the mean motion of the picked gait's region, in turn in one "
+    "process of one thread, and by the exported C++ planner in another. All times are CPU times of a call [ms]; the "
+    "plan's have choosing and checking in them.",
+    "python, cpp: IPOPT's time over the planner's. median: of that ratio over the tasks. p99: IPOPT's median over the "
+    "99th percentile of the planner. Solves that failed count with the time they took: ipopt_failed. slow: plans that "
+    "did not take the fast path; cpp_not_refined: plans that C++ could not refine, as it has no IPOPT to fall back on.",
+    "aimed at: a median of 10 in Python, of 30 in C++.",
+)
+
+
+def run(models: Path, tasks: int = TASKS, seed: int = 0, runs: Path = Path("runs")) -> Row:
+    """The document, a row for the newest version of each map in `models`; a map measured before is left out.
+
+    Raises ValueError where there is no map, child.Lost when a plan hangs, RuntimeError when the C++ does not build.
+    """
+    artifacts = [resolve(folder) for folder in sorted(models.iterdir()) if folder.is_dir()] if models.is_dir() else []
+    if not artifacts:
+        raise ValueError(f"{models}: holds no map; publish one first")
+    rows = [_measured(artifact, tasks, seed, runs) for artifact in artifacts]
+    return document("speed", None, rows, summarise(rows), NOTES)
+
+
+def summarise(rows: Sequence[Row]) -> Row:
+    """The ratios of each map, and how many maps have the medians that were aimed at."""
+    reached = {way: sum(row[way]["median"] >= least for row in rows) for way, least in AIMED_AT.items()}
+    return {"maps": len(rows), "reached": reached} | {row["map"]: {way: row[way] for way in AIMED_AT} for row in rows}
+
+
+def _measured(artifact: Path, tasks: int, seed: int, runs: Path) -> Row:
+    about = {"manifest": sha256_file(artifact / MANIFEST)}
+    key = {"map": f"{artifact.parent.name} {artifact.name}", "tasks": tasks, "seed": seed}
+    store = RowStore("speed", scenario_of(artifact), runs, _MODULES, about)
+    return store.rows([key], lambda _: _row(artifact, tasks, seed))[0]
+
+
+def _row(artifact: Path, tasks: int, seed: int) -> Row:
+    loaded = GaitMap.load(artifact)
+    places = off_grid_places(loaded.manifest.domain, tasks, seed)
+    with child.Child("benchmarks.online.mean_start:PlanAndMeanStart", {"artifact": str(artifact)}) as process:
+        timed: list[Row] = process.call(TASK_LIMIT_S * tasks, tasks=list(places))
+    with tempfile.TemporaryDirectory() as scratch:
+        planner, _ = built(artifact, Path(scratch))
+        lines = "".join(" ".join(repr(place[axis]) for axis in loaded.axes) + "\n" for place in places)
+        answers = run_program([str(planner), str(planner.parents[1] / "map" / "map.bin")], lines)
+    return compared(timed, [json.loads(answer) for answer in answers.splitlines()])
+
+
+def compared(timed: Sequence[Row], answers: Sequence[Mapping[str, Any]]) -> Row:
+    """The row of a map, from its tasks' rows of `PlanAndMeanStart` and answers of the C++ planner."""
+    ipopt = np.array([row["ipopt_ms"] for row in timed])
+    times = {"python": [row["plan_ms"] for row in timed], "cpp": [each["cpu_us"] / 1e3 for each in answers]}
+    return {
+        "ipopt_ms": _quantiles(ipopt),
+        "ipopt_failed": sum(not row["ipopt_solved"] for row in timed),
+        "slow": sum(row["path"] != "fast" for row in timed),
+        "cpp_not_refined": sum(not each["refined"] for each in answers),
+        **{f"{way}_ms": _quantiles(ms) for way, ms in times.items()},
+        **{
+            way: {
+                "median": float(np.median(ipopt / np.array(ms))),
+                "p99": float(np.median(ipopt) / np.percentile(ms, 99)),
+            }
+            for way, ms in times.items()
+        },
+    }
+
+
+def _quantiles(ms: Any) -> dict[str, float]:
+    return {f"p{share}": float(np.percentile(ms, share)) for share in (50, 99)}
