@@ -20,7 +20,7 @@ from gaitflow.dataset.labels import gait_costs, label_tasks
 from gaitflow.publishing.dataset import FILES, publish_dataset, read_manifest
 from gaitflow.publishing.dataset_facts import LABELS
 from gaitflow.publishing.verify_dataset import verify_dataset
-from gaitflow.publishing.versioned_folder import VersionExists
+from gaitflow.publishing.versioned_folder import VersionExists, file_faults
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import plan_units
 
@@ -108,6 +108,14 @@ def edit(path: Path, change: Callable[[dict[str, object]], object]) -> None:
         ),
     ],
 )
+def test_no_file_of_a_shipped_dataset_has_changed(checkout: Path) -> None:
+    folders = [path.parent for path in sorted((checkout / "datasets").glob("*/*/manifest.json"))]
+    folders = [folder for folder in folders if folder.parent.name != "quickstart"]  # `make run` publishes it here
+    assert len(folders) > 10
+    for folder in folders:
+        assert file_faults(folder, read_manifest(folder).files) == [], folder
+
+
 def test_damage_is_named(checkout: Path, tmp_path: Path, damage: Callable[[Path], object], told: str) -> None:
     folder = copytree(checkout / PUBLISHED, tmp_path / "1.1.0")
     damage(folder)
