@@ -43,7 +43,8 @@ class PlanAndMeanStart:
     def _from_mean(self, values: Mapping[str, float]) -> dict[str, Any]:
         """The paper's 'gait pattern & state': the classifier's pick, from the mean of its region.
 
-        ipopt_ms is the CPU time of the solve. It counts as solved where IPOPT converged and our check finds the motion feasible.
+        ipopt_ms is the CPU time of the solve. It counts as solved where IPOPT converged and our check finds the motion
+        feasible.
         """
         asked: Any = dict(values)
         name, _ = max(self._map.select(**asked).ranked, key=lambda each: each[1])
