@@ -101,21 +101,18 @@ From this folder, with pandas, polars, DuckDB, Hugging Face `datasets`, and with
 
 ```python
 import pandas as pd
-
 labels = pd.read_parquet("{LABELS}")
 print(labels.groupby("gait")["cost"].describe())
 ```
 
 ```python
 import polars as pl
-
 solutions = pl.scan_parquet("solutions.parquet").filter(pl.col("base").is_not_null())
 print(solutions.select("speed", "cycle_duration", "gait", "cost", "base").collect())
 ```
 
 ```python
 import duckdb
-
 wins = duckdb.sql("SELECT gait, count(*) AS tasks FROM '{LABELS}' GROUP BY gait ORDER BY tasks DESC")
 print(wins.fetchall())
 ```
@@ -123,13 +120,11 @@ print(wins.fetchall())
 ```python
 from os import getcwd
 from datasets import load_dataset
-
 labels = load_dataset(getcwd(), "labels", split="train")
 ```
 
 ```python
 from gaitflow.dataset import load_solutions
-
 for solution in load_solutions("."):
     print(solution.task.text(), solution.pattern, solution.cost)
 ```
