@@ -46,6 +46,7 @@ PARSED = {
     "cancel": "needs Slurm",
     "certify": "searches for minutes",
     "compact": "needs a run",
+    "datasets publish": "needs a run",
     "doctor": "needs Slurm",
     "drive": "a simulation of a minute",
     "estimate": "solves",

@@ -13,6 +13,7 @@ from gaitflow.config.scenario import Scenario
 from gaitflow.dataset.labels_file import read_labels
 from gaitflow.dataset.read import load_solutions
 from gaitflow.files import atomic_write
+from gaitflow.publishing.find import dataset_folder
 from gaitflow.report.claims import EXACT, FIGURES
 from gaitflow.report.gait_diagrams import draw_gait_diagrams
 from gaitflow.report.gait_map import draw_gait_map
@@ -34,7 +35,7 @@ FIG_10 = "running trot"
 
 @dataclass(frozen=True)
 class PublishedMap:
-    """The newest published dataset of a scenario, and the newest map; regions: the motions that win, by gait."""
+    """The newest map of a scenario, and the dataset that it was learnt from; regions: the motions that win, by gait."""
 
     scenario: Scenario
     labels: pd.DataFrame
@@ -44,16 +45,15 @@ class PublishedMap:
     @classmethod
     def load(cls, name: str, datasets: Path, models: Path) -> PublishedMap:
         """Raises ValueError where one of both is not there, and as `load_solutions` and `GaitMap.load` do."""
-        folders = []
-        for kind in (datasets, models):
-            versions = versions_in(kind / name)
-            if not versions:
-                raise ValueError(f"{kind / name}: no published version; the figures need those of {name}")
-            folders.append(kind / name / str(versions[-1]))
-        solutions, labels = load_solutions(folders[0]), read_labels(folders[0]).to_pandas()
+        versions = versions_in(models / name)
+        if not versions:
+            raise ValueError(f"{models / name}: no published version; the figures need those of {name}")
+        folder = models / name / str(versions[-1])
+        dataset = dataset_folder(folder, datasets)
+        solutions, labels = load_solutions(dataset), read_labels(dataset).to_pandas()
         scenario = scenario_of(solutions)
         regions = winners(labels, solutions, scenario.tasks.space)
-        return cls(scenario, labels, regions, GaitMap.load(folders[1]))
+        return cls(scenario, labels, regions, GaitMap.load(folder))
 
     def map(self) -> Figure:
         """The gait map in the manner of Fig. 4 and 7."""
