@@ -27,6 +27,7 @@ from gaitflow.tables.schema import task_columns
 FILES = (FILE_NAME, LABELS, GAIT_COSTS, CARD)  # every file but the manifest
 FORMAT = 1
 MAX_MANIFEST_BYTES = 1_000_000
+LARGE = 20_000_000  # bytes of solutions from which on fewer motions are kept
 
 
 @dataclass(frozen=True)
@@ -70,9 +71,7 @@ def publish_dataset(
     content = content_digest(record, frame)
     if version is None and (same := _newest_same(folder, content)) is not None:
         return same
-    with TemporaryDirectory(dir=collected.parent) as scratch:
-        costs = pd.read_parquet(gait_costs)
-        small = thin(collected, Path(scratch) / FILE_NAME, costs, KEPT_GAITS, KEPT_DEARER).read_bytes()
+    small = _thinned(collected, pd.read_parquet(gait_costs))
     files = {FILE_NAME: small, LABELS: labels.read_bytes(), GAIT_COSTS: gait_costs.read_bytes()}
 
     def publish(number: str) -> Path:
@@ -89,6 +88,16 @@ def publish_dataset(
         return publish_folder(folder, number, described | {MANIFEST: _json(manifest)})
 
     return publish_next(folder, publish) if version is None else publish(version)
+
+
+def _thinned(collected: Path, costs: pd.DataFrame) -> bytes:
+    """The solutions with the motions of as many gaits a task as make no large file, of one at least."""
+    with TemporaryDirectory(dir=collected.parent) as scratch:
+        for gaits in range(KEPT_GAITS, 0, -1):
+            small = thin(collected, Path(scratch) / FILE_NAME, costs, gaits, KEPT_DEARER).read_bytes()
+            if len(small) <= LARGE:
+                break
+    return small
 
 
 def content_digest(record: Mapping[str, Any], labels: pd.DataFrame) -> str:

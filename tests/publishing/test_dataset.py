@@ -10,13 +10,14 @@ from shutil import copytree
 
 import pandas as pd
 import pytest
-from small_units import solutions_of
+from small_units import PATTERNS, solutions_of
 
 from gaitflow.config.scenario import Scenario, load_scenario
 from gaitflow.config.tasks import tasks_of
 from gaitflow.dataset import load_solutions
 from gaitflow.dataset.collect import collect
 from gaitflow.dataset.labels import gait_costs, label_tasks
+from gaitflow.publishing import dataset as module
 from gaitflow.publishing.dataset import FILES, publish_dataset, read_manifest
 from gaitflow.publishing.dataset_facts import LABELS
 from gaitflow.publishing.verify_dataset import verify_dataset
@@ -71,6 +72,21 @@ def test_the_published_rows_keep_the_motions_of_the_best(run: tuple[Path, Path, 
     card = (folder / "README.md").read_text()
     assert "over speed, cycle_duration" in card and "at most 15% dearer" in card and "| grid | " in card
     assert not list(collected.parent.glob("tmp*"))
+
+
+def test_a_large_file_keeps_fewer_motions(
+    run: tuple[Path, Path, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    collected, labels, costs = run
+    cheap = pd.read_parquet(costs)
+    three = pd.concat([cheap.assign(excess=0.0, pattern=pattern) for pattern in PATTERNS])
+    three.to_parquet(costs)
+    kept = {}
+    for bytes_allowed in (10**9, 1):
+        monkeypatch.setattr(module, "LARGE", bytes_allowed)
+        folder = publish_dataset(tmp_path / str(bytes_allowed), collected, labels, costs)
+        kept[bytes_allowed] = sum(row.trajectory is not None for row in load_solutions(folder))
+    assert kept[1] < kept[10**9] and kept[1] > 0, "the best of each task at least"
 
 
 def test_a_sound_dataset_has_no_fault_and_a_wrong_motion_is_one(checkout: Path, run: tuple[Path, Path, Path]) -> None:
