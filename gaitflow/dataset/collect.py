@@ -86,8 +86,12 @@ def collect(
 
 def tasks_as_chosen(solutions: Solutions) -> list[Task]:
     """The tasks of an adaptive sampling as they were when they were chosen, in the order of the dataset's units."""
-    searched = solutions.table.filter(pc.not_equal(solutions.table["start"], START))
-    return sorted(replace(task, split="sampled") for task in Solutions(searched, solutions.record).tasks())
+    return sorted(replace(task, split="sampled") for task in searched_rows(solutions).tasks())
+
+
+def searched_rows(solutions: Solutions) -> Solutions:
+    """The rows of a dataset that were searched: without those of mirror images."""
+    return Solutions(solutions.table.filter(pc.not_equal(solutions.table["start"], START)), solutions.record)
 
 
 class _Images:

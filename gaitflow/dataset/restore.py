@@ -7,13 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import pyarrow as pa
-import pyarrow.compute as pc
-
 from gaitflow.config.scenario import Scenario, digest_of
 from gaitflow.core.task import Task
-from gaitflow.dataset.collect import tasks_as_chosen
-from gaitflow.dataset.mirror import START
+from gaitflow.dataset.collect import searched_rows, tasks_as_chosen
 from gaitflow.dataset.read import Solutions, load_solutions
 from gaitflow.search.solution import Solution
 from gaitflow.store.parts import UnitStore
@@ -48,16 +44,11 @@ def restore(store: UnitStore, scenario: Scenario, dataset: Path) -> list[Task]:
 
 def _rows_of(units: Sequence[Unit], solutions: Solutions) -> list[list[Solution]]:
     """The searched rows of each unit's task, with the split that it was chosen with."""
-    searched = Solutions(_without_images(solutions.table), solutions.record)
     rows: dict[Task, list[Solution]] = {unit.tasks[0]: [] for unit in units}
-    for row in searched:
+    for row in searched_rows(solutions):
         task = replace(row.task, split="sampled")
         rows[task].append(replace(row, task=task))
     return [rows[unit.tasks[0]] for unit in units]
-
-
-def _without_images(table: pa.Table) -> pa.Table:
-    return table.filter(pc.not_equal(table["start"], START))
 
 
 def _makers(record: dict[str, Any], units: int) -> list[dict[str, Any]]:

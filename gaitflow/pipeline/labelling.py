@@ -33,7 +33,6 @@ def write_labels(run: Run, scenario: Scenario) -> pd.DataFrame:
 
 
 def _write_table(path: Path, frame: pd.DataFrame) -> None:
-
     buffer = io.BytesIO()
     pq.write_table(described(pa.Table.from_pandas(frame, preserve_index=False)), buffer)
     atomic_write(path, buffer.getvalue())
