@@ -20,6 +20,9 @@ from gaitflow.sampling.rehearsal import rehearse
 from gaitflow.sampling.rounds import Kind, Round, task_at
 
 QUIET = 0.1  # of a round's picks that may be wrong for a certificate to be tried
+# Or the searches since the last certificate, over those that one takes. Doubt looks where picks are most likely to be
+# wrong, so with small rounds it may find one in each, for a map with two wrong of 358 random picks.
+ENOUGH = 0.5
 FORGIVEN = 3  # failures after which the same certificate may be tried with more tasks
 MORE_SEEDS = 1000  # apart: seeds of the parts of a sampling, so that none repeats another's numbers
 
@@ -33,6 +36,7 @@ class Steps:
         assert sampling is not None
         self._sampling = sampling
         self._quiet = False
+        self._since = 0  # searches since the start, or since the last certificate
         self._asked = 0
         self._prepared = -1  # the number of rounds after which the map was prepared for a certificate
         self._prepared_before = False  # whether it was before the last round
@@ -65,7 +69,7 @@ class Steps:
             self._prepare()
         if kind == "doubt" and self._drawn:  # the map was not good enough: the certificate's tasks help to make it
             self._making.take(self._drawn, self._verdicts)
-            self._drawn, self._verdicts = [], []
+            self._drawn, self._verdicts, self._since = [], [], 0
         if kind == "certificate":
             self._certificates += 1
 
@@ -88,7 +92,10 @@ class Steps:
     def done(self, one: Round) -> Round:
         """Take in a round that was searched; returns it with what it came to."""
         making, self._rounds = self._making, self._rounds + 1
-        self._known += len(one.tasks) if one.kind == "known" else 0
+        if one.kind == "known":
+            self._known += len(one.tasks)
+        if one.kind in ("known", "doubt"):
+            self._since += len(set(one.tasks) - set(tasks_of(making.scenario)))
         inside = [task for task in one.tasks if making.domain.contains(task)]
         verdicts = self._picks.judge(inside)
         if not one.of_certificate:
@@ -96,6 +103,7 @@ class Steps:
             wrong = sum(verdict.dearer for verdict in verdicts)
             self._quiet = one.kind == "doubt" and wrong <= QUIET * len(one.tasks)
             self._tell_curve(one, wrong)
+            making.tell(f"{one.kind}: {wrong} of {len(one.tasks)} picks were wrong, {len(making.labelled)} gaits")
             return one
         self._drawn += one.tasks
         self._verdicts += verdicts
@@ -113,7 +121,8 @@ class Steps:
     @property
     def _is_ready(self) -> bool:
         """Whether the last round found the map good enough to be prepared for a certificate."""
-        return self._quiet and not self._drawn
+        enough = self._since >= ENOUGH * self._tasks_for(0)
+        return (self._quiet or enough) and not self._drawn
 
     def _prepare(self) -> int:
         """Test the map and plan random picks, once a round; at how many tasks of the last draw it lacks a gait."""
