@@ -1,0 +1,108 @@
+"""When a map that chooses its tasks is tested and asked for a certificate, and when it goes on searching."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from gaitflow.certificate.judge import Verdict
+from gaitflow.config.scenario import load_scenario
+from gaitflow.config.tasks import tasks_of
+from gaitflow.core.domain import Domain
+from gaitflow.core.task import Task
+from gaitflow.sampling import steps
+from gaitflow.sampling.rounds import Round, task_at
+from gaitflow.sampling.steps import Steps
+
+SCENARIO = Path(__file__).parents[2] / "configs/scenarios/anymal-exact-vibration.yaml"
+EACH = 8
+TASKS_OF_A_CERTIFICATE = 184
+
+
+class Making:
+    """A map of which every round finds as many wrong picks as it is told."""
+
+    labelled = ("trot",)
+
+    def __init__(self) -> None:
+        self.scenario = load_scenario(SCENARIO)
+        axes = {axis: values.values for axis, values in self.scenario.tasks.ranges.items()}
+        self.domain = Domain(axes, np.ones(tuple(map(len, axes.values())), dtype=bool))
+        self.tasks: list[Task] = []
+        self.told: list[str] = []
+        self.tell = self.told.append
+        self.wrong = self.filled = 0
+
+    def judge(self, tasks: Sequence[Task]) -> list[Verdict]:
+        return [Verdict(task, "trot", "trot", 0.1 * (number < self.wrong)) for number, task in enumerate(tasks)]
+
+    def take(self, tasks: Sequence[Task], verdicts: Sequence[Verdict]) -> None:
+        self.tasks += tasks
+
+    def fill(self) -> None:
+        self.filled += 1
+
+    def settle(self) -> int:
+        return 0
+
+
+@pytest.fixture
+def making(monkeypatch: pytest.MonkeyPatch) -> Making:
+    made = Making()
+    monkeypatch.setattr(steps, "Picks", lambda _: made)
+    monkeypatch.setattr(steps, "rehearse", lambda *_: 0)
+    return made
+
+
+def tasks(making: Making, number: int) -> tuple[Task, ...]:
+    """Tasks inside the domain that no other call has."""
+    made = len(making.tasks)
+    places = [(0.5 + 1e-3 * k, 0.6) for k in range(made, made + number)]
+    return tuple(task_at(making.scenario.tasks.space, place) for place in places)
+
+
+def begun(making: Making, known: Sequence[Task] = ()) -> Steps:
+    """Steps of a map whose start was searched, or that was begun from known tasks and the start."""
+    after = Steps(making, 0)  # type: ignore[arg-type]
+    if known:
+        after.done(Round("known", tuple(known)))
+    if after.next_kind(1000) == "start":
+        after.done(Round("start", tuple(set(tasks_of(making.scenario)) - set(making.tasks))))
+    return after
+
+
+def doubt(after: Steps, making: Making, wrong: int) -> None:
+    making.wrong = wrong
+    after.begin("doubt")
+    after.done(Round("doubt", tasks(making, EACH)))
+
+
+def test_a_quiet_round_is_followed_by_tests_and_a_certificate(making: Making) -> None:
+    after = begun(making)
+    assert after.next_kind(1000) == "doubt"
+    doubt(after, making, wrong=1)
+    assert after.next_kind(1000) == "doubt" and making.filled == 0
+    doubt(after, making, wrong=0)
+    assert after.next_kind(1000) == "certificate" and making.filled == 1
+    assert making.told[-1] == "doubt: 0 of 8 picks were wrong, 1 gaits"
+
+
+def test_small_rounds_that_are_never_quiet_are_not_repeated_for_ever(making: Making) -> None:
+    after = begun(making)
+    rounds = 0
+    while after.next_kind(1000) == "doubt":
+        doubt(after, making, wrong=1)
+        rounds += 1
+    assert EACH * (rounds - 1) < TASKS_OF_A_CERTIFICATE / 2 <= EACH * rounds
+
+
+def test_a_map_begun_from_many_searches_is_tested_at_once(making: Making) -> None:
+    few = begun(making, tasks(making, 8))
+    assert few.next_kind(1000) == "doubt"
+    making.tasks.clear()
+    assert begun(making, tasks(making, 100)).next_kind(1000) == "certificate"
+    making.tasks.clear()
+    assert begun(making, tasks_of(making.scenario)).next_kind(1000) == "doubt", "those of the start do not count"
