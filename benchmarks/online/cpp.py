@@ -65,6 +65,13 @@ def built(artifact: Path, scratch: Path) -> tuple[Path, float]:
     return build / "plan", _children_s() - before
 
 
+def built_library(export: Path, build: Path) -> Path:
+    """The folder where an export was built as a library that Python calls."""
+    run_program(["cmake", "-S", str(export), "-B", str(build)])
+    run_program(["cmake", "--build", str(build)])
+    return build
+
+
 def run_program(command: Sequence[str], text: str = "") -> str:
     """What a program says to a text. Raises RuntimeError with its last words where it fails."""
     done = subprocess.run(command, input=text, capture_output=True, text=True, check=False)

@@ -13,29 +13,32 @@ import numpy as np
 from benchmarks import child
 from benchmarks.document import document
 from benchmarks.online import cpp, mean_start, plan_times
-from benchmarks.online.cpp import built, run_program
+from benchmarks.online.cpp import built, built_library, run_program
 from benchmarks.paper.fixed_gait import scenario_of
 from benchmarks.paper.table import off_grid_places
 from benchmarks.rows import Row, RowStore
 from gaitflow.files import sha256_file
-from gaitflow.runtime import GaitMap, atlas, gait_map, plan, problem, refine
+from gaitflow.runtime import GaitMap, atlas, attempt, compiled, gait_map, plan, problem, refine
 from gaitflow.runtime.files import MANIFEST
 from gaitflow.runtime.versions import resolve
 from gaitflow.solvers import interior_point, kkt, point, program
 
 TASKS, BY_IPOPT = 200, 60
 TASK_LIMIT_S = 60.0  # wall time of a plan and a solve, beyond which the process counts as hung
-AIMED_AT = {"python": 10.0, "cpp": 30.0}  # times one IPOPT solve, at the median
-_MODULES = (mean_start, plan_times, cpp, atlas, gait_map, interior_point, kkt, plan, point, problem, program, refine)
+AIMED_AT = {"python": 10.0, "compiled": 10.0, "cpp": 30.0}  # times one IPOPT solve, at the median
+_RUNTIME = (atlas, attempt, compiled, gait_map, plan, problem, refine)
+_MODULES = (mean_start, plan_times, cpp, *_RUNTIME, interior_point, kkt, point, program)
 NOTES = (
     f"A row a map, its newest version. {TASKS} tasks are random by `seed`, uniform in its domain, off its grid. Each "
-    "is planned by GaitMap.plan in a process of one thread, and by the exported C++ planner in another. The first "
+    "is planned by GaitMap.plan in a process of one thread, there also by that of a map loaded with its `compiled` "
+    "export, and by the exported C++ planner in another process. The export is built with -march=native. The first "
     f"{BY_IPOPT} are solved by IPOPT, too, from the mean motion of the picked gait's region: in the first process, in "
     "turn with the plans. All times are CPU times of a call [ms]; the plan's have choosing and checking in them.",
-    "python, cpp: IPOPT's time over the planner's. median: of that ratio over the tasks. p99: IPOPT's median over the "
-    "99th percentile of the planner. Solves that failed count with the time they took: ipopt_failed. slow: plans that "
-    "did not take the fast path; cpp_not_refined: plans that C++ could not refine, as it has no IPOPT to fall back on.",
-    "aimed at: a median of 10 in Python, of 30 in C++.",
+    "python, compiled, cpp: IPOPT's time over the planner's. median: of that ratio over the tasks. p99: IPOPT's median "
+    "over the 99th percentile of the planner. Solves that failed count with the time they took: ipopt_failed. slow, "
+    "compiled_slow: plans that did not take the fast path. cpp_not_refined: plans that C++ could not refine, as it has "
+    "no IPOPT to fall back on.",
+    "aimed at: a median of 10 in Python, compiled or not, of 30 in C++.",
 )
 
 
@@ -67,24 +70,31 @@ def _measured(artifact: Path, tasks: int, seed: int, runs: Path) -> Row:
 def _row(artifact: Path, tasks: int, seed: int) -> Row:
     loaded = GaitMap.load(artifact)
     places = off_grid_places(loaded.manifest.domain, tasks, seed)
-    with child.Child("benchmarks.online.mean_start:PlanAndMeanStart", {"artifact": str(artifact)}) as process:
-        timed: list[Row] = process.call(TASK_LIMIT_S * tasks, tasks=list(places), by_ipopt=BY_IPOPT)
     with tempfile.TemporaryDirectory() as scratch:
         planner, _ = built(artifact, Path(scratch))
+        export = planner.parents[1] / "map"
+        about = {"artifact": str(artifact), "compiled": str(built_library(export, Path(scratch) / "library"))}
+        with child.Child("benchmarks.online.mean_start:PlanAndMeanStart", about) as process:
+            timed: list[Row] = process.call(TASK_LIMIT_S * tasks, tasks=list(places), by_ipopt=BY_IPOPT)
         lines = "".join(" ".join(repr(place[axis]) for axis in loaded.axes) + "\n" for place in places)
-        answers = run_program([str(planner), str(planner.parents[1] / "map" / "map.bin")], lines)
+        answers = run_program([str(planner), str(export / "map.bin")], lines)
     return compared(timed, [json.loads(answer) for answer in answers.splitlines()])
 
 
 def compared(timed: Sequence[Row], answers: Sequence[Mapping[str, Any]]) -> Row:
     """The row of a map, from its tasks' rows of `PlanAndMeanStart` and answers of the C++ planner."""
     ipopt = np.array([row["ipopt_ms"] for row in timed if "ipopt_ms" in row])
-    times = {"python": [row["plan_ms"] for row in timed], "cpp": [each["cpu_us"] / 1e3 for each in answers]}
+    times = {
+        "python": [row["plan_ms"] for row in timed],
+        "compiled": [row["compiled_ms"] for row in timed],
+        "cpp": [each["cpu_us"] / 1e3 for each in answers],
+    }
     return {
         "ipopt_ms": _quantiles(ipopt),
         "ipopt": len(ipopt),
         "ipopt_failed": sum(not row.get("ipopt_solved", True) for row in timed),
         "slow": sum(row["path"] != "fast" for row in timed),
+        "compiled_slow": sum(row["compiled_path"] != "fast" for row in timed),
         "cpp_not_refined": sum(not each["refined"] for each in answers),
         **{f"{way}_ms": _quantiles(ms) for way, ms in times.items()},
         **{

@@ -26,8 +26,9 @@ PLANNER = (
     "fronts.hpp", "ordering.hpp", "program.hpp",
 )  # fmt: skip
 CMAKE = "gaitflow_map-config.cmake"
+LIBRARY = ("library.cpp", "CMakeLists.txt")
 SOURCES = ("map.h", *(f"{name}{suffix}" for name in FILES for suffix in (".c", ".h")))
-COPIED = (*READER, *PLANNER, CMAKE)
+COPIED = (*READER, *PLANNER, CMAKE, *LIBRARY)
 CONTENT = (MAP, *SOURCES, *COPIED)
 
 

@@ -17,9 +17,9 @@ from gaitflow.core.task_space import TaskSpace
 from gaitflow.core.trajectory import Trajectory
 from gaitflow.motion import Frames, Motion, Point
 from gaitflow.motion.motion import SWING_APEX
+from gaitflow.runtime.attempt import Attempt, Candidate, GaitRefiner
 from gaitflow.runtime.left_out import ChosenValue
 from gaitflow.runtime.manifest import Gait
-from gaitflow.runtime.refine import Attempt, Candidate, Refiner
 
 LEAST_SAVING = 1e-3  # relative cost that another candidate must promise, and come, to save
 
@@ -114,7 +114,7 @@ class Asked:
     started: float
 
 
-def refine_ranked(refiner: Refiner, ranked: Sequence[tuple[Candidate, Gait, float]], asked: Asked) -> Plan:
+def refine_ranked(refiner: GaitRefiner, ranked: Sequence[tuple[Candidate, Gait, float]], asked: Asked) -> Plan:
     """Refine the candidates (candidate, gait, probability) in order until one converges to a feasible motion.
 
     Those behind it that may cost less than that came to are refined as well, and the cheapest one is taken if it does:
@@ -153,7 +153,7 @@ def refine_ranked(refiner: Refiner, ranked: Sequence[tuple[Candidate, Gait, floa
     )
 
 
-def _attempts(refiner: Refiner, candidates: Sequence[Candidate], task: Task) -> Iterator[tuple[int, Attempt]]:
+def _attempts(refiner: GaitRefiner, candidates: Sequence[Candidate], task: Task) -> Iterator[tuple[int, Attempt]]:
     for place, candidate in enumerate(candidates):
         attempt = refiner.fast(candidate, task)
         yield place, attempt
@@ -169,7 +169,7 @@ def _attempts(refiner: Refiner, candidates: Sequence[Candidate], task: Task) -> 
 
 
 def _cheaper(
-    refiner: Refiner, candidates: Sequence[Candidate], solved: int, cost: float, task: Task
+    refiner: GaitRefiner, candidates: Sequence[Candidate], solved: int, cost: float, task: Task
 ) -> Iterator[tuple[int, Attempt]]:
     """One try for each candidate behind the solved one that may cost less than the cheapest so far."""
     for place, least in enumerate(refiner.least(candidates[solved + 1 :], task), solved + 1):

@@ -15,8 +15,8 @@ from gaitflow.core.trajectory import Trajectory
 from gaitflow.problem import GaitProblem
 from gaitflow.runtime import GaitMap, OutOfDomain, Plan, refine
 from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.attempt import Attempt, Candidate
 from gaitflow.runtime.plan import Asked, refine_ranked
-from gaitflow.runtime.refine import Attempt, Candidate
 
 TASK, VALUES = task_of(0.9, 0.6), {"speed": 0.9, "cycle_duration": 0.6}
 FAST = (2.05, 0.9)  # beyond what walking can do

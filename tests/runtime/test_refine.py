@@ -12,7 +12,8 @@ from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime import ArtifactError, GaitMap
 from gaitflow.runtime.atlas import Atlas, Prediction
-from gaitflow.runtime.refine import LIMIT, Attempt, Candidate, Refiner
+from gaitflow.runtime.attempt import Attempt, Candidate
+from gaitflow.runtime.refine import LIMIT, Refiner
 from gaitflow.solvers.options import CONVERGED
 
 WALKING, GALLOP = 0, 1

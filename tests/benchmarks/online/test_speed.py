@@ -12,14 +12,16 @@ from benchmarks.online import speed
 
 
 def test_ratios_are_of_each_task_and_of_the_slowest_plans() -> None:
-    timed = [{"path": "fast", "plan_ms": 2.0, "ipopt_ms": 20.0, "ipopt_solved": True} for _ in range(99)]
-    timed.append({"path": "next:1", "plan_ms": 80.0, "ipopt_ms": 40.0, "ipopt_solved": False})
+    compiled = {"compiled_path": "fast", "compiled_ms": 1.0}
+    timed = [{"path": "fast", "plan_ms": 2.0, "ipopt_ms": 20.0, "ipopt_solved": True, **compiled} for _ in range(99)]
+    timed.append({"path": "next:1", "plan_ms": 80.0, "ipopt_ms": 40.0, "ipopt_solved": False, **compiled})
     answers = [{"cpu_us": 500.0, "refined": True}] * 99 + [{"cpu_us": 500.0, "refined": False}]
     row = speed.compared(timed, answers)
     assert row["python"]["median"] == 10.0 and row["cpp"] == {"median": 40.0, "p99": 40.0}
     assert row["python"]["p99"] == pytest.approx(20.0 / row["python_ms"]["p99"]) and row["python_ms"]["p99"] > 2.0
-    assert (row["ipopt_failed"], row["slow"], row["cpp_not_refined"]) == (1, 1, 1)
-    assert speed.summarise([{"map": "a 1.0.0", **row}])["reached"] == {"python": 1, "cpp": 1}
+    assert (row["ipopt_failed"], row["slow"], row["cpp_not_refined"], row["compiled_slow"]) == (1, 1, 1, 0)
+    assert row["compiled"]["median"] == 20.0
+    assert speed.summarise([{"map": "a 1.0.0", **row}])["reached"] == {"python": 1, "compiled": 1, "cpp": 1}
 
 
 def test_a_workspace_without_maps_is_one_line(tmp_path: Path) -> None:
@@ -36,5 +38,5 @@ def test_every_map_has_a_row(pristine: Path, tmp_path: Path) -> None:
     row = done["rows"][0]
     assert done["bench"] == "speed" and done["scenario"] is None and plain(done["rows"]) == done["rows"]
     assert row["map"] == f"{pristine.parent.name} {pristine.name}" and row["ipopt_failed"] <= 2
-    assert row["cpp"]["median"] > row["python"]["median"] > 0
+    assert row["cpp"]["median"] > row["compiled"]["median"] > row["python"]["median"] > 0
     assert speed.run(models, tasks=8, runs=tmp_path / "runs")["rows"] == done["rows"], "measured once"
