@@ -12,6 +12,8 @@ import math
 from scipy.special import betaincinv
 
 CONFIDENCE = 0.95
+ALLOWED = (0, 2, 5, 10)  # dearer picks with which the looks at a certificate, each at more tasks, reach the goal
+FORGIVEN, HOPEFUL = 3, 0.5  # failures, and failures over those that the goal allows, after which more tasks are tried
 OF_INFEASIBLE = 0.2  # of the chance of error; the bound on dearer picks, whose tasks have to be searched, has the rest
 MOST_TASKS = 1_000_000
 
@@ -40,6 +42,20 @@ def tasks_needed(failures: int, share: float, chance: float) -> int:
         middle = (low + high) // 2
         low, high = (low, middle) if upper_bound(failures, middle, chance) <= share else (middle, high)
     return high
+
+
+def tasks_of_look(look: int, share: float, asking: int) -> int:
+    """The tasks of a certificate at a look, numbered from 0, that is asking number `asking`.
+
+    As many as reach a bound of `share` on dearer picks with ALLOWED[look] of them. They do not depend on what was seen
+    at earlier looks: the bound of a sample that grows until it is good would be wrong too often.
+    """
+    return tasks_needed(ALLOWED[look], share, chances_of(asking)[0])
+
+
+def has_hope(failures: int, tasks: int, look: int, share: float) -> bool:
+    """Whether a further look may show a share of failures below `share`, or whether it is better to mend the map."""
+    return look + 1 < len(ALLOWED) and failures <= min(ALLOWED[-1], max(FORGIVEN, HOPEFUL * share * tasks))
 
 
 def chance_of(asking: int) -> float:

@@ -42,11 +42,12 @@ def collect(
     chosen: Sequence[Task] | None = None,
     held_out: Collection[Task] = (),
     target: Path | None = None,
+    askings: int = 0,
 ) -> Path:
     """Merge every unit of `scenario` into one file, `<store>/solutions.parquet` or `target`, and return its path.
 
     `chosen` are the tasks of an adaptive sampling, `held_out` those of them that nothing was learnt from. Of the others
-    the mirror images are rows, too, where the map has them.
+    the mirror images are rows, too, where the map has them. `askings` is how often certificates were asked so far.
 
     Rows are sorted by split, task (speed fastest), pattern, seed and start. Every part is checked; a bad one goes to
     quarantine.
@@ -77,7 +78,7 @@ def collect(
             lambda index: store.read(units[index]) if index < len(units) else images.read(index)
         )
         with new_file(target, replace=True) as file:
-            record = dataset_record(scenario, [unit.digest for unit in units], records, record_of)
+            record = dataset_record(scenario, [unit.digest for unit in units], records, record_of, askings)
             write_sealed(file, schema, _tables(rows, read, schema), record)
     except DamagedPart as error:
         raise NotComplete(f"{scenario.name}: a part changed while it was collected: {error}") from None

@@ -37,22 +37,22 @@ def sample(
     search: Search,
     tell: Tell,
     each: Each | None = None,
-    known: Sequence[Task] = (),
+    known: Round | None = None,
 ) -> list[Round]:
     """Choose and search tasks until the map is certified or the scenario's `most` are searched; returns all rounds.
 
-    `each` solves several nodes of the atlas at once, see `NodeSolver`. `known` are tasks that the run's store has from
-    a dataset: the first round. Leaves the atlas that was judged, and what it was judged to be, in the run's folder.
-    Raises EmptyDomain where no task that was searched has a motion, ValueError where the sampling has begun with other
-    tasks than those known.
+    `each` solves several nodes of the atlas at once, see `NodeSolver`. `known` is the first round, of a dataset
+    whose searches the run's store has. Leaves the atlas that was judged, and what it was judged to be, in the run's
+    folder. Raises EmptyDomain where no task that was searched has a motion, ValueError where the sampling has begun
+    with other tasks than those known.
     """
-    sampling, space = scenario.tasks.adaptive, scenario.tasks.space
+    sampling = scenario.tasks.adaptive
     assert sampling is not None, "a scenario whose tasks are a grid has no rounds"
-    rounds = rounds_from(read_json(run.rounds), space) if run.rounds.exists() else []
-    if known and not rounds:
-        rounds = [Round("known", tuple(known))]
+    rounds = written_rounds(run, scenario)
+    if known is not None and not rounds:
+        rounds = [known]
         _write(run, scenario, rounds)
-    elif known and rounds[0] != Round("known", tuple(known)):
+    elif known is not None and rounds[0] != known:
         raise ValueError(
             f"{scenario.name}: its sampling has begun already, and not from this dataset; leave --begin away to go on "
             f"with it, or remove {run.rounds} to begin again"
@@ -62,7 +62,7 @@ def sample(
     steps = Steps(making, sampling.seed)
     for number in range(sampling.most):  # no sampling has as many rounds, as each searches a task at least
         if number == len(rounds):
-            left = sampling.most - sum(len(one.tasks) for one in rounds)
+            left = sampling.most - sum(len(one.tasks) for one in rounds if one.kind != "known")
             kind = steps.next_kind(left)
             if kind is None:
                 break
@@ -97,9 +97,13 @@ def sample(
 
 def chosen_tasks(run: Run, scenario: Scenario) -> list[Task]:
     """All tasks that a run's rounds have chosen so far, in their order; before the first those that it begins with."""
-    if not run.rounds.exists():
-        return list(tasks_of(scenario))
-    return [task for one in rounds_from(read_json(run.rounds), scenario.tasks.space) for task in one.tasks]
+    rounds = written_rounds(run, scenario)
+    return [task for one in rounds for task in one.tasks] if rounds else list(tasks_of(scenario))
+
+
+def written_rounds(run: Run, scenario: Scenario) -> list[Round]:
+    """The rounds of a run so far, none before there is one."""
+    return rounds_from(read_json(run.rounds), scenario.tasks.space) if run.rounds.exists() else []
 
 
 def _write(run: Run, scenario: Scenario, rounds: Sequence[Round]) -> None:

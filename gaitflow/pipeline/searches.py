@@ -5,16 +5,17 @@ from __future__ import annotations
 from pathlib import Path
 
 from gaitflow.config.scenario import Scenario
-from gaitflow.core.task import Task
 from gaitflow.dataset.collect import NotComplete, collect
+from gaitflow.dataset.read import load_solutions
 from gaitflow.dataset.restore import restore
 from gaitflow.files import make_folder
 from gaitflow.pipeline.labelling import write_labels
-from gaitflow.pipeline.sampling import chosen_tasks
+from gaitflow.pipeline.sampling import chosen_tasks, written_rounds
 from gaitflow.pipeline.workspace import Run, Workspace
 from gaitflow.publishing.dataset import publish_dataset
 from gaitflow.publishing.find import version_folder
 from gaitflow.publishing.verify_dataset import verify_dataset
+from gaitflow.sampling.rounds import Round, askings
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import plan_cold
 
@@ -27,25 +28,26 @@ def publish_searches(workspace: Workspace, scenario: Scenario) -> Path:
     """
     run = workspace.run(scenario)
     store, searches = UnitStore(run.folder), Run(run.folder / "searches")
-    chosen = None
+    chosen, asked = None, 0
     if scenario.tasks.adaptive is not None:
         stored = store.solved()
-        units = plan_cold(scenario, chosen_tasks(run, scenario))
+        units, asked = plan_cold(scenario, chosen_tasks(run, scenario)), askings(written_rounds(run, scenario))
         chosen = [unit.tasks[0] for unit in units if unit.digest in stored]
         if not chosen:
             raise NotComplete(f"{scenario.name}: nothing is searched yet; run gaitflow solve {scenario.name} first")
     make_folder(searches.folder)
-    collect(store, scenario, chosen, target=searches.solutions)
+    collect(store, scenario, chosen, target=searches.solutions, askings=asked)
     write_labels(searches, scenario)
     return publish_dataset(workspace.datasets, searches.solutions, searches.labels, searches.gait_costs)
 
 
-def begin_from(store: UnitStore, scenario: Scenario, dataset: Path) -> list[Task]:
-    """The tasks of a published dataset, whose searches the store has from now on.
+def begin_from(store: UnitStore, scenario: Scenario, dataset: Path) -> Round:
+    """The first round of a sampling: the tasks of a published dataset, whose searches the store has from now on.
 
     `dataset` is a version's folder or one of versions. Raises ValueError when it is not sound or of other searches.
     """
     folder = version_folder(dataset)
     if faults := verify_dataset(folder):
         raise ValueError(f"{folder}: is not sound: {faults[0]}; gaitflow verify {folder} lists all that is wrong")
-    return restore(store, scenario, folder)
+    tasks = restore(store, scenario, folder)
+    return Round("known", tuple(tasks), askings=int(load_solutions(folder).record.get("askings", 0)))

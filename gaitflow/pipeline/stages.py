@@ -76,13 +76,13 @@ def solve(
         from gaitflow.execute.node_processes import node_processes
         from gaitflow.pipeline.sampling import sample
         from gaitflow.pipeline.searches import begin_from
-        from gaitflow.sampling.rounds import held_out
+        from gaitflow.sampling.rounds import askings, held_out
 
-        known = [] if begin is None else begin_from(store, scenario, begin)
+        known = None if begin is None else begin_from(store, scenario, begin)
         with node_processes(scenario, workers) as each:
             rounds = sample(run, scenario, search, tell, each, known)
         chosen = [task for one in rounds for task in one.tasks]
-        return search(chosen), collect(store, scenario, chosen, held_out(rounds))
+        return search(chosen), collect(store, scenario, chosen, held_out(rounds), askings=askings(rounds))
 
 
 def label(workspace: Workspace, scenario: Scenario) -> pd.DataFrame:

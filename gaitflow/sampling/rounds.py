@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -17,11 +17,15 @@ KINDS: tuple[Kind, ...] = ("known", "start", "doubt", "certificate", "more")
 
 @dataclass(frozen=True)
 class Round:
-    """Tasks that are searched together. `certificate` is what the round came to, plain data; None for other kinds."""
+    """Tasks that are searched together. `certificate` is what the round came to, plain data; None for other kinds.
+
+    askings: how often certificates were asked with the searches of a dataset, of the kind "known".
+    """
 
     kind: Kind
     tasks: tuple[Task, ...]
     certificate: Mapping[str, Any] | None = None
+    askings: int = 0
 
     @property
     def of_certificate(self) -> bool:
@@ -31,6 +35,7 @@ class Round:
     def as_data(self, space: TaskSpace) -> dict[str, Any]:
         """Plain JSON data: a task by its values on the axes with a range."""
         data: dict[str, Any] = {"kind": self.kind, "tasks": [list(task.on(space.ranged)) for task in self.tasks]}
+        data |= {"askings": self.askings} if self.askings else {}
         return data if self.certificate is None else data | {"certificate": dict(self.certificate)}
 
 
@@ -42,6 +47,7 @@ def rounds_from(data: Any, space: TaskSpace) -> list[Round]:
                 KINDS[KINDS.index(one["kind"])],
                 tuple(task_at(space, values) for values in one["tasks"]),
                 one.get("certificate"),
+                int(one.get("askings", 0)),
             )
             for one in data
         ]
@@ -52,6 +58,11 @@ def rounds_from(data: Any, space: TaskSpace) -> list[Round]:
 def task_at(space: TaskSpace, values: Any, split: Split = "sampled") -> Task:
     """The task with these values on the axes with a range."""
     return space.task(dict(zip(space.ranged, values, strict=True)), split)
+
+
+def askings(rounds: Sequence[Round]) -> int:
+    """How often certificates were asked, before the dataset that a sampling begins from was published as well."""
+    return sum(one.askings + (one.certificate is not None) for one in rounds)
 
 
 def held_out(rounds: list[Round]) -> set[Task]:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from gaitflow.certificate.bound import chances_of, tasks_needed
+from gaitflow.certificate.bound import chances_of, has_hope, tasks_needed, tasks_of_look
 from gaitflow.certificate.certificate import Certificate, certify
 from gaitflow.certificate.draw import draw_tasks
 from gaitflow.certificate.judge import Verdict
@@ -23,7 +23,7 @@ QUIET = 0.1  # of a round's picks that may be wrong for a certificate to be trie
 # Or the searches since the last certificate, over those that one takes. Doubt looks where picks are most likely to be
 # wrong, so with small rounds it may find one in each, for a map with two wrong of 358 random picks.
 ENOUGH = 0.5
-FORGIVEN = 3  # failures after which the same certificate may be tried with more tasks
+SPARE = 2  # picks without a motion that a certificate allows for: picks are planned in a hundredth of a search
 MORE_SEEDS = 1000  # apart: seeds of the parts of a sampling, so that none repeats another's numbers
 
 
@@ -44,6 +44,7 @@ class Steps:
         self._rounds = self._certificates = 0
         self._known = 0  # tasks of the dataset that the sampling began from
         self._drawn: list[Task] = []  # of the certificate that is being tried
+        self._look = 0  # at it, the next one
         self._verdicts: list[Verdict] = []
         self.certificate: Certificate | None = None
         self.missed = 0
@@ -55,9 +56,9 @@ class Steps:
             return None
         if self._start:
             return "start"
-        if self._drawn and self._few_failures and 0 < self._more <= min(left, 2 * len(self._drawn)):
+        if self._has_hope and self._tasks_of_next_look - len(self._drawn) <= left:
             return "more"
-        if not self._is_ready or self._tasks_for(0) > left:
+        if not self._is_ready or self._tasks_of_next_look > left:
             return "doubt"
         # Tests and random picks may show where a gait is missing: one more round looks there.
         return "doubt" if self._prepare() and not self._prepared_before else "certificate"
@@ -69,19 +70,17 @@ class Steps:
             self._prepare()
         if kind == "doubt" and self._drawn:  # the map was not good enough: the certificate's tasks help to make it
             self._making.take(self._drawn, self._verdicts)
-            self._drawn, self._verdicts, self._since = [], [], 0
+            self._drawn, self._verdicts, self._since, self._look = [], [], 0, 0
         if kind == "certificate":
             self._certificates += 1
 
     def tasks_of(self, kind: Kind, left: int) -> list[Task]:
         """The tasks of a round of a kind that was begun, `left` at most."""
-        making, grid = self._making, self._making.growth.grid
         if kind == "start":
             return self._start[:left]
-        if kind == "certificate":
-            return self._draw(self._tasks_for(0))
-        if kind == "more":
-            return self._draw(self._more)
+        if kind in ("certificate", "more"):
+            return self._draw(self._tasks_of_next_look - len(self._drawn))
+        making, grid = self._making, self._making.growth.grid
         number = min(self._sampling.further(len(grid)), left)
         low, high = (np.array([values[end] for values in grid]) for end in (0, -1))
         seed = self._seed * MORE_SEEDS + self._rounds
@@ -94,6 +93,7 @@ class Steps:
         making, self._rounds = self._making, self._rounds + 1
         if one.kind == "known":
             self._known += len(one.tasks)
+            self._asked += one.askings
         if one.kind in ("known", "doubt"):
             self._since += len(set(one.tasks) - set(tasks_of(making.scenario)))
         inside = [task for task in one.tasks if making.domain.contains(task)]
@@ -107,7 +107,7 @@ class Steps:
             return one
         self._drawn += one.tasks
         self._verdicts += verdicts
-        self._asked += 1
+        self._asked, self._look = self._asked + 1, self._look + 1
         self.certificate = certify(self._verdicts, self._further(), self._asked, self._seed)
         self._tell_curve(one, self.certificate.dearer)
         return replace(one, certificate=self.certificate.as_data())
@@ -121,7 +121,7 @@ class Steps:
     @property
     def _is_ready(self) -> bool:
         """Whether the last round found the map good enough to be prepared for a certificate."""
-        enough = self._since >= ENOUGH * self._tasks_for(0)
+        enough = self._since >= ENOUGH * self._tasks_of_next_look
         return (self._quiet or enough) and not self._drawn
 
     def _prepare(self) -> int:
@@ -146,22 +146,17 @@ class Steps:
         )
 
     @property
-    def _few_failures(self) -> bool:
-        """Whether more tasks may show that the map is good enough: a pick without a motion is one too many."""
-        found = self.certificate
-        return found is not None and found.infeasible == 0 and self._failures <= FORGIVEN
+    def _tasks_of_next_look(self) -> int:
+        """How many tasks a certificate has at its next look, those of the looks before among them."""
+        return tasks_of_look(self._look, self._sampling.dearer, self._asked + 1)
 
     @property
-    def _failures(self) -> int:
-        return sum(verdict.dearer for verdict in self._verdicts)
-
-    def _tasks_for(self, failures: int) -> int:
-        return tasks_needed(failures, self._sampling.dearer, chances_of(self._asked + 1)[0])
-
-    @property
-    def _more(self) -> int:
-        """How many tasks more would make a certificate with the failures that there are good enough."""
-        return self._tasks_for(self._failures) - len(self._drawn)
+    def _has_hope(self) -> bool:
+        """Whether more tasks may show that the map is good enough."""
+        found, allowed = self.certificate, self._sampling
+        if found is None or not self._drawn or found.infeasible_bound > allowed.infeasible:
+            return False
+        return has_hope(found.dearer, len(self._drawn), self._look - 1, allowed.dearer)
 
     def _draw(self, number: int) -> list[Task]:
         """Fresh tasks of the domain, after those of this certificate."""
@@ -171,8 +166,7 @@ class Steps:
 
     def _further(self) -> list[bool]:
         """Whether picks have a motion at further fresh tasks: as many as the bound on infeasible picks needs."""
-        infeasible = sum(verdict.infeasible for verdict in self._verdicts)
-        needed = tasks_needed(infeasible, self._sampling.infeasible, chances_of(self._asked)[1])
+        needed = tasks_needed(SPARE, self._sampling.infeasible, chances_of(self._asked)[1])
         number = max(needed - len(self._verdicts), 0)
         seed = (self._seed + 1) * MORE_SEEDS**3 + self._known + self._asked
         making = self._making

@@ -44,14 +44,19 @@ def unit_record(
 
 
 def dataset_record(
-    scenario: Scenario, digests: Sequence[str], parts: Sequence[Mapping[str, Any]], part_of: Sequence[int]
+    scenario: Scenario,
+    digests: Sequence[str],
+    parts: Sequence[Mapping[str, Any]],
+    part_of: Sequence[int],
+    askings: int = 0,
 ) -> dict[str, Any]:
     """Record of a collected dataset: the scenario whole, and what the records of its units have in common.
 
     `parts` are the distinct records of units, `part_of` says which of them each unit has; `made_by` and
     `solver_options` list the distinct ones, so that a dataset solved on two kinds of machine says so. Then
     `units_made_by` has a number in `made_by` for each unit, in the order in which the scenario is cut into them.
-    `units` is how many there are, `units_digest` the digest of their sorted names.
+    `units` is how many there are, `units_digest` the digest of their sorted names. `askings`, where there were any, is
+    how often certificates were asked while an adaptive sampling chose the tasks.
     """
     makers = _distinct([part["made_by"] for part in parts])
     numbers = [makers.index(part["made_by"]) for part in parts]
@@ -65,6 +70,7 @@ def dataset_record(
         "made_by": makers,
         **({"units_made_by": [numbers[part] for part in part_of]} if len(makers) > 1 else {}),
         "solver_options": _distinct([part["solver_options"] for part in parts]),
+        **({"askings": askings} if askings else {}),
         "collected_by": made_by(),
         "created": _now(),
     }

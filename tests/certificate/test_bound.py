@@ -7,8 +7,18 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.stats import binom
 
-from gaitflow.certificate.bound import CONFIDENCE, chance_of, chances_of, tasks_needed, upper_bound
+from gaitflow.certificate.bound import (
+    ALLOWED,
+    CONFIDENCE,
+    chance_of,
+    chances_of,
+    has_hope,
+    tasks_needed,
+    tasks_of_look,
+    upper_bound,
+)
 
 
 def at_most(failures: int, tasks: int, share: float) -> float:
@@ -55,3 +65,36 @@ def test_all_askings_together_have_the_whole_chance_of_error_and_no_more() -> No
     assert sum(map(chance_of, range(1, 100_000))) < 1 - CONFIDENCE
     for asking in range(1, 6):
         assert sum(chances_of(asking)) == pytest.approx(chance_of(asking))
+
+
+def wrong_claims(share: float, earlier: int) -> float:
+    """How often a map of which just `share` fails is claimed to be better, at any look; computed exactly."""
+    wrong, before, tried = 0.0, 0, {0: 1.0}
+    for look in range(len(ALLOWED)):
+        asking = earlier + look + 1
+        tasks, after = tasks_of_look(look, share, asking), dict[int, float]()
+        assert tasks > before
+        for failed, weight in tried.items():
+            for further in range(min(tasks - before, ALLOWED[-1] - failed) + 1):
+                probability = weight * float(binom.pmf(further, tasks - before, share))
+                failures = failed + further
+                if upper_bound(failures, tasks, chances_of(asking)[0]) <= share:
+                    wrong += probability
+                elif has_hope(failures, tasks, look, share):
+                    after[failures] = after.get(failures, 0.0) + probability
+        tried, before = after, tasks
+    return wrong
+
+
+@pytest.mark.parametrize("earlier", [0, 1, 3])
+@pytest.mark.parametrize("share", [0.01, 0.02, 0.05, 0.2])
+def test_a_map_that_misses_its_goal_is_seldom_certified(share: float, earlier: int) -> None:
+    spent = sum(chances_of(earlier + look + 1)[0] for look in range(len(ALLOWED)))
+    assert 0.3 * spent < wrong_claims(share, earlier) <= spent
+
+
+def test_more_tasks_are_tried_where_there_is_hope() -> None:
+    assert has_hope(2, 184, 0, 0.02), "two of 184 failed"
+    assert not has_hope(4, 184, 0, 0.02), "more than half of what the goal allows"
+    assert has_hope(5, 700, 2, 0.02), "as many of more tasks are few"
+    assert not has_hope(3, 1166, 3, 0.02), "there is no further look"

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from gaitflow.core.task_space import TaskSpace
-from gaitflow.sampling.rounds import Kind, Round, held_out, rounds_from, task_at
+from gaitflow.sampling.rounds import Kind, Round, askings, held_out, rounds_from, task_at
 
 SPACE = TaskSpace(("speed", "slope"), (("cycle_duration", 0.5),))
 
@@ -18,9 +18,12 @@ def a_round(kind: Kind, *speeds: float) -> Round:
 
 
 def test_rounds_come_back_as_they_were() -> None:
-    rounds = [a_round("start", 0.1, 0.2), Round("certificate", a_round("start", 0.3).tasks, {"searched": 1})]
+    known = Round("known", a_round("start", 0.4).tasks, askings=2)
+    rounds = [known, a_round("start", 0.1, 0.2), Round("certificate", a_round("start", 0.3).tasks, {"searched": 1})]
     data = json.loads(json.dumps([one.as_data(SPACE) for one in rounds]))
     assert rounds_from(data, SPACE) == rounds
+    assert askings(rounds) == 3, "those before the dataset was published count"
+    assert askings([a_round("start", 0.1), a_round("certificate", 0.3)]) == 0, "not answered yet"
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from gaitflow.config.tasks import tasks_of
 from gaitflow.core.domain import Domain
 from gaitflow.core.task import Task
 from gaitflow.sampling import steps
-from gaitflow.sampling.rounds import Round, task_at
+from gaitflow.sampling.rounds import Kind, Round, task_at
 from gaitflow.sampling.steps import Steps
 
 SCENARIO = Path(__file__).parents[2] / "configs/scenarios/anymal-exact-vibration.yaml"
@@ -44,6 +44,9 @@ class Making:
 
     def fill(self) -> None:
         self.filled += 1
+
+    def have_motions(self, tasks: Sequence[Task]) -> list[bool]:
+        return [True] * len(tasks)
 
     def settle(self) -> int:
         return 0
@@ -80,6 +83,14 @@ def doubt(after: Steps, making: Making, wrong: int) -> None:
     after.done(Round("doubt", tasks(making, EACH)))
 
 
+def ask(after: Steps, making: Making, kind: Kind, wrong: int) -> int:
+    making.wrong = wrong
+    after.begin(kind)
+    asked = after.tasks_of(kind, 1000)
+    after.done(Round(kind, tuple(asked)))
+    return len(asked)
+
+
 def test_a_quiet_round_is_followed_by_tests_and_a_certificate(making: Making) -> None:
     after = begun(making)
     assert after.next_kind(1000) == "doubt"
@@ -97,6 +108,38 @@ def test_small_rounds_that_are_never_quiet_are_not_repeated_for_ever(making: Mak
         doubt(after, making, wrong=1)
         rounds += 1
     assert EACH * (rounds - 1) < TASKS_OF_A_CERTIFICATE / 2 <= EACH * rounds
+
+
+def test_earlier_askings_count(making: Making) -> None:
+    after = Steps(making, 0)  # type: ignore[arg-type]
+    after.done(Round("known", tasks(making, 200), askings=3))
+    after.done(Round("start", tuple(tasks_of(making.scenario))))
+    assert after.next_kind(1000) == "certificate"
+    after.begin("certificate")
+    assert len(after.tasks_of("certificate", 1000)) > 1.5 * TASKS_OF_A_CERTIFICATE
+
+
+def test_the_tasks_of_a_look_do_not_depend_on_what_was_seen(making: Making) -> None:
+    sizes = set()
+    for wrong in (1, 2, 3):
+        making.tasks.clear()
+        after = begun(making, tasks(making, 100))
+        assert ask(after, making, "certificate", wrong) == TASKS_OF_A_CERTIFICATE
+        assert after.next_kind(1000) == "more"
+        sizes.add(ask(after, making, "more", 0))
+    assert len(sizes) == 1
+    making.tasks.clear()
+    after = begun(making, tasks(making, 100))
+    ask(after, making, "certificate", 4)
+    assert after.next_kind(1000) == "doubt", "the map is mended first"
+
+
+def test_two_dearer_picks_are_allowed_at_the_second_look(making: Making) -> None:
+    after = begun(making, tasks(making, 100))
+    ask(after, making, "certificate", 2)
+    ask(after, making, "more", 0)
+    assert after.certificate is not None and after.certificate.dearer_bound <= 0.02
+    assert after.next_kind(1000) is None
 
 
 def test_a_map_begun_from_many_searches_is_tested_at_once(making: Making) -> None:
