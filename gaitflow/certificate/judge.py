@@ -45,7 +45,8 @@ def judge_picks(tasks: list[Task], picks: list[str], costs: pd.DataFrame, pick_c
     """A verdict a task; `costs` is the frame of `gaitflow.dataset.labels.gait_costs` of these tasks, searched.
 
     `picks` are keys of gaits, since the name of one depends on which others there are. `pick_cost` is asked where the
-    search has no cost of the pick: because it was never tried there, or nothing was found.
+    search has no cost of the pick, or one that fails: the search may have missed the pick's own best motion, which the
+    map's start leads to. The lesser cost counts.
     """
     axes = [name for name in task_columns(costs.columns) if name != "split"]
     known = {place: rows for place, rows in costs.groupby(axes, sort=False)}
@@ -53,11 +54,8 @@ def judge_picks(tasks: list[Task], picks: list[str], costs: pd.DataFrame, pick_c
     for task, pick in zip(tasks, picks, strict=True):
         rows = known.get(task.on(axes))
         of_pick = None if rows is None else rows[rows["gait_key"] == pick]
-        if of_pick is not None and len(of_pick):
-            excess = float(of_pick["excess"].iloc[0])
-        else:
-            cost = pick_cost(task)
-            least = None if rows is None else float(rows["cost"].min())
-            excess = INFEASIBLE if cost is None else (-1.0 if least is None else cost / least - 1)
+        excess = INFEASIBLE if of_pick is None or not len(of_pick) else float(of_pick["excess"].iloc[0])
+        if excess > DEARER and (cost := pick_cost(task)) is not None:
+            excess = min(excess, -1.0 if rows is None else cost / float(rows["cost"].min()) - 1)
         verdicts.append(Verdict(task, pick, "" if rows is None else str(rows["gait_key"].iloc[0]), excess))
     return verdicts
