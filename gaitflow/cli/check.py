@@ -10,7 +10,7 @@ import click
 
 from gaitflow.cli.errors import bad_input, print_json, warn_of_training
 from gaitflow.cli.options import PUBLISHED, json_option, scenario_argument
-from gaitflow.pipeline import stages
+from gaitflow.pipeline import published, stages
 from gaitflow.pipeline.sweep import sweep_status
 from gaitflow.pipeline.workspace import Workspace
 
@@ -101,7 +101,7 @@ def verify(path: Path, as_json: bool) -> None:
     Example: gaitflow verify models/quickstart/1.0.0
     """
     with bad_input():
-        faults = stages.verify(path)
+        faults = published.verify(path)
     if as_json:
         print_json({"path": str(path), "sound": not faults, "faults": faults})
     else:

@@ -15,7 +15,7 @@ import click
 
 from gaitflow.config.file import ConfigError
 from gaitflow.config.scenario import Scenario
-from gaitflow.pipeline import stages
+from gaitflow.pipeline.earlier import StageMissing
 
 
 def print_json(data: Any) -> None:
@@ -54,7 +54,7 @@ def bad_input() -> Iterator[None]:
     """One clear line and exit code 2 for what the user gave us, 1 for a stage that is missing or a full disk."""
     try:
         yield
-    except (stages.StageMissing, OSError) as error:
+    except (StageMissing, OSError) as error:
         fail(str(error))
     except (ConfigError, ValueError) as error:
         click.echo(f"gaitflow: {error}", err=True)

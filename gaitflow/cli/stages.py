@@ -11,7 +11,7 @@ from gaitflow.cli.errors import bad_input, fail, print_json, refused_artifact, w
 from gaitflow.cli.options import PUBLISHED, json_option, profile_option, scenario_argument, workers_option
 from gaitflow.config.file import ConfigError
 from gaitflow.core.task import AXES
-from gaitflow.pipeline import stages
+from gaitflow.pipeline import published, stages
 from gaitflow.pipeline.json_file import read_json
 from gaitflow.pipeline.snakemake import run_workflow
 from gaitflow.pipeline.sweep import shares_of_robots, sweep_report
@@ -249,7 +249,7 @@ def report(
         if claims:
             from gaitflow.report.claims import claims_data, claims_markdown
 
-            found = stages.claims(workspace)
+            found = published.claims(workspace)
             shares = shares_of_robots(workspace)
             return print_json(claims_data(found)) if as_json else click.echo(claims_markdown(found, shares), nl=False)
         if sweep is not None:
@@ -263,7 +263,7 @@ def _drawn(workspace: Workspace, scenario: str, output: Path | None) -> list[Pat
     """The files of the report of a folder or address when it is one, else of the run of a scenario."""
     folder = local_folder(scenario)
     if folder.is_dir():
-        return stages.report_published(workspace, folder, output)
+        return published.report_published(workspace, folder, output)
     if output is not None:
         raise ConfigError(f"--output {output}: {scenario} is no folder of a map or dataset; a run's report is in runs/")
     return stages.report(workspace, workspace.scenario(scenario))

@@ -11,11 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from gaitflow.config.scenario import Scenario, digest_of
-from gaitflow.core.domain import Domain
 from gaitflow.files import atomic_write, make_folder
-from gaitflow.pipeline.atlas_record import atlas_record
+from gaitflow.pipeline.earlier import atlas_of, domain_of, need
 from gaitflow.pipeline.json_file import read_json, write_json
-from gaitflow.pipeline.workspace import Run, Workspace
+from gaitflow.pipeline.workspace import Workspace
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,17 +22,11 @@ if TYPE_CHECKING:
     from gaitflow.config.cluster import Profile
     from gaitflow.core.task import Task
     from gaitflow.execute.count import RunState
-    from gaitflow.report.claims import Claim
-    from gaitflow.runtime.atlas import Atlas
 
 GUIDED_REMARK = (
     "the search was guided: a pick counts as infeasible where it was not solved at that task, be it for want of a "
     "motion or because a probe was too dear to go on with; regret is over the other picks"
 )
-
-
-class StageMissing(RuntimeError):
-    """An earlier stage has not run; the message says which command to give."""
 
 
 @dataclass(frozen=True)
@@ -90,59 +83,31 @@ def label(workspace: Workspace, scenario: Scenario) -> pd.DataFrame:
     from gaitflow.pipeline.labelling import write_labels
 
     run = workspace.run(scenario)
-    _need(run.solutions, f"gaitflow solve {scenario.name}")
+    need(run.solutions, f"gaitflow solve {scenario.name}")
     return write_labels(run, scenario)
 
 
 def atlas(workspace: Workspace, scenario: Scenario, workers: int = 1) -> dict[str, Any]:
     """Grow the solutions of every labelled gait into an atlas; writes it and how good its predictions are.
 
-    `workers` processes solve its nodes.
+    `workers` processes solve its nodes. A map that chose its tasks has its atlas since `solve`.
     """
     import pandas as pd
 
-    from gaitflow.atlas.compress import build_atlas
-    from gaitflow.atlas.fill import fill
-    from gaitflow.atlas.grow import grow
-    from gaitflow.atlas.judge import judge_predictions
-    from gaitflow.atlas.patterns import full_patterns, map_symmetry
-    from gaitflow.atlas.settle import known_costs, settle
-    from gaitflow.core.gaits import Pattern
     from gaitflow.dataset import load_solutions
-    from gaitflow.execute.display import display
-    from gaitflow.execute.node_processes import node_processes
-    from gaitflow.execute.progress import countdown
-    from gaitflow.problem import transcribe
-    from gaitflow.runtime.atlas_file import atlas_bytes
+    from gaitflow.pipeline.growing import grown
 
     run = workspace.run(scenario)
-    _need(run.labels, f"gaitflow label {scenario.name}")
-    if scenario.tasks.adaptive is not None:
-        atomic_write(run.atlas, run.sampled_atlas.read_bytes())
-        data: dict[str, Any] = read_json(run.sampled_record)
-        of_key = dict(pd.read_parquet(run.gait_costs)[["gait_key", "gait"]].itertuples(index=False, name=None))
-        data["gaits"] = [of_key[key] for key in data["gaits"]]
-        write_json(run.atlas_record, data)
-        return data
+    need(run.labels, f"gaitflow label {scenario.name}")
     labels, costs = pd.read_parquet(run.labels), pd.read_parquet(run.gait_costs)
-    solutions, tolerance = load_solutions(run.solutions), scenario.learning.tie_tolerance
-    solved = labels[(labels["split"] == "grid") & (labels["status"] == "solved")]
-    gaits = sorted(solved["label"].unique().tolist())
-    patterns = full_patterns(solutions.frame(), costs, gaits, tolerance, map_symmetry(scenario))
-    numbers = [gaits.index(gait) for gait in patterns.values()]
-    problem, domain = transcribe(scenario), _domain(run, scenario, labels)
-    with display(f"{scenario.name}: atlas") as tell, node_processes(scenario, workers) as each:
-        tell("reading the solutions")
-        full = [Pattern.from_text(pattern) for pattern in patterns]
-        growth = grow(problem, full, solutions, domain, lambda nodes: tell(f"{nodes} nodes on the grid"), each)
-        fill(growth, lambda: build_atlas(growth, numbers), tolerance, on_test=countdown(tell, "tests"))
-        known = known_costs(costs, "gait", gaits, scenario.tasks.space.ranged)
-        missed = settle(growth, numbers, known, tolerance, tell)
-        tell("put together")
-        built = build_atlas(growth, numbers)
-        content = atlas_bytes(built)
-        judged = judge_predictions(growth, built)
-    data = atlas_record(gaits, built, len(content), judged, growth.solver.solves, missed)
+    data: dict[str, Any]
+    if scenario.tasks.adaptive is not None:
+        content, data = run.sampled_atlas.read_bytes(), read_json(run.sampled_record)
+        of_key = dict(costs[["gait_key", "gait"]].itertuples(index=False, name=None))
+        data["gaits"] = [of_key[key] for key in data["gaits"]]
+    else:
+        domain = domain_of(run, scenario, labels)
+        content, data = grown(scenario, labels, costs, load_solutions(run.solutions), domain, workers)
     atomic_write(run.atlas, content)
     write_json(run.atlas_record, data)
     return data
@@ -159,11 +124,11 @@ def train(workspace: Workspace, scenario: Scenario, constant: bool) -> dict[str,
 
     check_installed(scenario.learning)
     run = workspace.run(scenario)
-    _need(run.labels, f"gaitflow label {scenario.name}")
-    _need(run.atlas_record, f"gaitflow atlas {scenario.name}")
+    need(run.labels, f"gaitflow label {scenario.name}")
+    need(run.atlas_record, f"gaitflow atlas {scenario.name}")
     labels, costs = pd.read_parquet(run.labels), pd.read_parquet(run.gait_costs)
-    known, gaits = _atlas_of(run, scenario)
-    costs_known = KnownCosts(known, tuple(gaits), _domain(run, scenario, labels))
+    known, gaits = atlas_of(run, scenario)
+    costs_known = KnownCosts(known, tuple(gaits), domain_of(run, scenario, labels))
     axes = scenario.tasks.space.ranged
     with display(f"{scenario.name}: train") as tell:
         training = train_all(labels, costs, axes, scenario.learning, constant, costs_known, tell)
@@ -195,8 +160,8 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None, force
     from gaitflow.tables.provenance import made_by
 
     run = workspace.run(scenario)
-    _need(run.learning, f"gaitflow train {scenario.name}")
-    _need(run.atlas_record, f"gaitflow atlas {scenario.name}")
+    need(run.learning, f"gaitflow train {scenario.name}")
+    need(run.atlas_record, f"gaitflow atlas {scenario.name}")
     learning, record = read_json(run.learning), read_json(run.atlas_record)
     path = workspace.results / f"certificate-{scenario.name}.json"
     certificate = read_json(path) if path.exists() else None
@@ -214,11 +179,11 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None, force
         )
     labels, problem = pd.read_parquet(run.labels), transcribe(scenario)
     starts = region_means(labels, load_solutions(run.solutions), problem.layout.pack, map_symmetry(scenario))
-    known, gaits = _atlas_of(run, scenario)
+    known, gaits = atlas_of(run, scenario)
     dataset = publish_dataset(workspace.datasets, run.solutions, run.labels, run.gait_costs)
     parts = Parts(
         problem=problem,
-        feasible=_domain(run, scenario, labels).feasible,
+        feasible=domain_of(run, scenario, labels).feasible,
         classifier=run.classifier.read_bytes(),
         classifier_kind=learning["method"],
         classes=learning["classes"],
@@ -245,7 +210,7 @@ def report(workspace: Workspace, scenario: Scenario) -> list[Path]:
     from gaitflow.runtime import GaitMap
 
     run = workspace.run(scenario)
-    _need(run.labels, f"gaitflow label {scenario.name}")
+    need(run.labels, f"gaitflow label {scenario.name}")
     solutions = load_solutions(run.solutions)
     gait_map = GaitMap.load(read_json(run.published)["model"]) if run.published.exists() else None
     sampled = None if scenario.tasks.adaptive is None else read_json(run.sampled_record)
@@ -260,58 +225,6 @@ def report(workspace: Workspace, scenario: Scenario) -> list[Path]:
         solutions.record,
         None if sampled is None else SamplingRecord(sampled["certificate"], sampled["curve"]),
     )
-
-
-def report_published(workspace: Workspace, path: Path, output: Path | None) -> list[Path]:
-    """Draw the report of a published map or dataset: a version's folder, or the newest version in a folder of them.
-
-    Into `output`, or `runs/<scenario>/report-<version>`. Raises ValueError when `path` is neither, ArtifactError.
-    """
-    from gaitflow.publishing.find import dataset_of_map, is_map, version_folder
-    from gaitflow.report.published import write_dataset_report, write_map_report
-
-    folder = version_folder(path)
-    named = folder.resolve()
-    target = output or workspace.root / "runs" / named.parent.name / f"report-{named.name}"
-    if is_map(folder):
-        return write_map_report(target, folder, dataset_of_map(folder, workspace.datasets))
-    return write_dataset_report(target, folder)
-
-
-def claims(workspace: Workspace) -> tuple[Claim, ...]:
-    """The paper's statements, measured on the newest published grids of its scenarios and of the exact ones.
-
-    Versions whose tasks were chosen (`tasks: {sampling: adaptive}`) are passed over: the statements count grid tasks.
-    """
-    from gaitflow.dataset import load_solutions
-    from gaitflow.report.claims import SCENARIOS, check_claims
-    from gaitflow.report.map_tasks import newest_grid
-    from gaitflow.report.stored import scenario_of
-    from gaitflow.report.winners import winners
-
-    frames, motions = {}, {}
-    for name in SCENARIOS:
-        found = newest_grid(workspace.datasets / name)
-        if found is not None:
-            folder, frames[name] = found
-            solutions = load_solutions(folder)
-            on_grid = frames[name][frames[name]["split"] == "grid"]
-            motions[name] = winners(on_grid, solutions, scenario_of(solutions).tasks.space)
-    return check_claims(frames, motions)
-
-
-def verify(path: Path) -> list[str]:
-    """Every fault of a published map or dataset, of the newest version when `path` holds several.
-
-    Raises ValueError when `path` is neither.
-    """
-    from gaitflow.publishing import verify as verify_map
-    from gaitflow.publishing.find import is_dataset, version_folder
-    from gaitflow.publishing.verify_dataset import verify_dataset
-
-    folder = version_folder(path)
-    found = verify_dataset(folder) if is_dataset(folder) else verify_map(folder)
-    return [str(finding) for finding in found]
 
 
 def summary(scenario: Scenario) -> dict[str, Any]:
@@ -332,33 +245,3 @@ def summary(scenario: Scenario) -> dict[str, Any]:
         "rows": problem.ng,
         "digest": digest_of(scenario.as_data()),
     }
-
-
-def _atlas_of(run: Run, scenario: Scenario) -> tuple[Atlas, list[str]]:
-    """The atlas of a run, and the names of its gaits."""
-    from gaitflow.problem import transcribe
-    from gaitflow.runtime.atlas_file import parse_atlas
-
-    gaits: list[str] = read_json(run.atlas_record)["gaits"]
-    problem, content = transcribe(scenario), run.atlas.read_bytes()
-    axes = scenario.tasks.space.ranged
-    return parse_atlas(content, axes, len(gaits), problem.layout, problem.ng, str(run.atlas)), gaits
-
-
-def _domain(run: Run, scenario: Scenario, labels: pd.DataFrame) -> Domain:
-    """The grid of a scenario, and which of its tasks have a feasible gait."""
-    import numpy as np
-
-    axes = {axis: values.values for axis, values in scenario.tasks.ranges.items()}
-    if scenario.tasks.adaptive is not None:
-        return Domain(axes, np.array(read_json(run.atlas_record)["feasible"], dtype=bool))
-    solved = labels[(labels["split"] == "grid") & (labels["status"] == "solved")]
-    feasible = np.zeros(tuple(map(len, axes.values())), dtype=bool)
-    for place in solved[list(axes)].itertuples(index=False, name=None):
-        feasible[tuple(values.index(value) for values, value in zip(axes.values(), place, strict=True))] = True
-    return Domain(axes, feasible)
-
-
-def _need(path: Path, command: str) -> None:
-    if not path.exists():
-        raise StageMissing(f"{path} is missing: run `{command}` first")

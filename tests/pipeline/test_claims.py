@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from gaitflow.pipeline.stages import claims
+from gaitflow.pipeline.published import claims
 from gaitflow.pipeline.workspace import Workspace
 
 DATASETS = Path(__file__).parents[2] / "datasets"
