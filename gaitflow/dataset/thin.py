@@ -18,6 +18,7 @@ from gaitflow.tables.seal import check_seal, write_sealed
 
 COMPRESSION_LEVEL = 15  # of zstd: what is published is written once
 ROWS_AT_ONCE = 2000
+MULTIPLIER_BITS = 10  # of the mantissa: three digits, half the bytes of single precision
 
 Mask = NDArray[np.bool_]
 
@@ -27,7 +28,7 @@ def thin(collected: Path, target: Path, costs: pd.DataFrame, gaits: int, dearer:
 
     `costs` are those of its gaits (`gaitflow.dataset.labels.gait_costs`). Of each task's `gaits` cheapest gaits those
     that are at most the share `dearer` dearer than the best keep their motion: the trajectory of their pattern's
-    cheapest solve, and its multipliers in single precision, which is enough to start a solve. Raises ValueError when
+    cheapest solve, and its multipliers to MULTIPLIER_BITS, which is enough to start a solve. Raises ValueError when
     `collected` is damaged or not ours, WriteError.
     """
     check_seal(collected)
@@ -54,7 +55,20 @@ def _kept(column: pa.Array, name: str, keep: Mask) -> pa.Array:
     if name not in HEAVY:
         return column
     column = column.take(pa.array(np.arange(len(column)), mask=~keep))
-    return column.cast(pa.list_(pa.float32())).cast(column.type) if name in MULTIPLIERS else column
+    return _rounded(column) if name in MULTIPLIERS else column
+
+
+def _rounded(column: pa.ListArray) -> pa.Array:
+    """Lists of numbers rounded to MULTIPLIER_BITS of their mantissas, ties away from 0."""
+    numbers = np.asarray(column.flatten(), dtype=np.float32)
+    dropped = np.finfo(np.float32).nmant - MULTIPLIER_BITS
+    bits = (numbers.view(np.uint32) + np.uint32(1 << dropped - 1)) >> dropped << dropped
+    values = pa.array(bits.view(np.float32).astype(np.float64))
+    lengths = np.asarray(column.value_lengths().fill_null(0))
+    offsets = pa.array(
+        np.concatenate([[0], np.cumsum(lengths)]).astype(np.int32), mask=np.append(column.is_null(), False)
+    )
+    return pa.ListArray.from_arrays(offsets, values).cast(column.type)
 
 
 def _cheapest_solves(rows: pd.DataFrame, costs: pd.DataFrame, gaits: int) -> Mask:

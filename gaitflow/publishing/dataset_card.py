@@ -57,7 +57,7 @@ def _motions(facts: DatasetFacts) -> str:
 
 {facts.motions} of the {facts.tables[0].rows} rows of `{facts.tables[0].file}`: those where `base` is not null. Those of
 a task's {KEPT_GAITS} cheapest gaits (fewer where the file would be large) that are at most {KEPT_DEARER:.0%} dearer
-than the best keep their motion, in the pattern that `{GAIT_COSTS}` names, with multipliers in single precision; all
+than the best keep their motion, in the pattern that `{GAIT_COSTS}` names, with multipliers to three digits; all
 other rows have nulls there.
 """
 
