@@ -17,10 +17,9 @@ task.
 4. With m = sum of w_i (p_i - x), by how much the nodes' centre is off x, the prediction is the sum of
    w_i (c_i - T_i (p_i - x + m) / 2).
 
-**Where a sheet is believed.** Its support is 1 - |m| / REACH, by distance alone, times v / (v + u): v is the weight by
-distance of its nearest node, u that of the nearest place where the pattern was tried and has no motion, 0 without one
-in reach. A cost alone does not tell where a gait ends: up to a limit of the robot it hardly changes, and one step
-further there is no motion. How many nodes and places there are on either side says nothing, so only the nearest count.
+**Where a sheet is believed.** Its support is 1 - |m| / REACH, by distance alone, times the share of its nodes in the
+weights of nodes and of places where the pattern was tried and has no motion, weighed in the same way. A cost alone does
+not tell where a gait ends: up to a limit of the robot it hardly changes, and one step further there is no motion.
 
 With one node, 4 is its first-order prediction. Amid several it follows each tangent half of the way, which is nearly
 right to second order (m is small there), where whole tangents are only to first: they all err to the same side of a
@@ -118,8 +117,8 @@ class Atlas:
                 lean += mean * mean
             mixed = near.blended(near.agreed())
             costs = np.exp(np.clip(mixed, -LARGEST_LOG, LARGEST_LOG))
-            nearest, without = near.nearest_weights(), self._every_infeasible.nearest_weights(asked)
-            return costs, np.where(total > 0, (1 - np.sqrt(lean) / REACH) * nearest / (nearest + without), 0.0)
+            without = self._every_infeasible.weights_near(asked)
+            return costs, np.where(total > 0, (1 - np.sqrt(lean) / REACH) * total / (total + without), 0.0)
 
     def by_cost(self, place: Array) -> list[int]:
         """The sheets with a node within reach of a place; of equal ones the first.

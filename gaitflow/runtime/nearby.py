@@ -41,10 +41,6 @@ class Near:
         """The logarithm of the cost at the place that each node promises by its slopes [n]."""
         return self.logs - self._change
 
-    def nearest_weights(self) -> Array:
-        """The weight by distance of each sheet's nearest node, 0 without one [count]."""
-        return _largest(self.owner, self.weights, self.count)
-
     def agreed(self) -> Array:
         """The weights [n] by distance, steepness and agreement."""
         steady = self.weights / (1 + (self._change / STEEP) ** 2)
@@ -123,21 +119,15 @@ class EveryPlace:
         self.places = places[order]
         self.sheets = np.repeat(np.arange(len(sheets)), [len(each) for each in sheets])[order]
 
-    def nearest_weights(self, place: Array) -> Array:
-        """The weight by distance of each sheet's place nearest to one, in steps, 0 without one within reach [count]."""
+    def weights_near(self, place: Array) -> Array:
+        """The sum of the weights by distance of each sheet's places within reach of one, in steps [count]."""
         if not len(self.places):
             return np.zeros(self.count)
         low, high = np.searchsorted(self.places[:, 0], (place[0] - REACH, place[0] + REACH))
         squared = ((self.places[low:high] - place) ** 2).sum(axis=1)
         near = np.flatnonzero(squared < REACH * REACH)
-        return _largest(self.sheets[low:high][near], weights_of(np.sqrt(squared[near])), self.count)
-
-
-def _largest(owner: NDArray[np.intp], weights: Array, count: int) -> Array:
-    """The largest of the weights [n] of each owner, 0 without any [count]."""
-    largest = np.zeros(count)
-    np.maximum.at(largest, owner, weights)
-    return largest
+        weights = weights_of(np.sqrt(squared[near]))
+        return np.bincount(self.sheets[low:high][near], weights, self.count).astype(np.float64)
 
 
 def weights_of(distances: Array) -> Array:

@@ -262,16 +262,6 @@ def test_a_place_without_a_motion_takes_support_and_no_cost(
     assert atlas(upon).costs(asked)[1][0] < 1e-6
 
 
-@given(inner, st.integers(1, 30))
-def test_how_often_a_border_was_tried_does_not_move_it(place: tuple[float, float], tries: int) -> None:
-    value, gradient = quadratic([1, 2, 3, 4, 5, 6])
-    nearest = np.add(place, (0.2, 0.0))
-    beyond = nearest + np.column_stack([np.linspace(0, 0.2, tries), np.zeros(tries)])
-    one, many = (replace(sheet_of(value, gradient), infeasible=each * STEPS) for each in (nearest[None], beyond))
-    supports = [atlas(each).costs(np.array(place) * STEPS)[1][0] for each in (one, many)]
-    assert supports[0] == pytest.approx(supports[1], abs=1e-12)
-
-
 def test_a_gait_comes_last_where_it_has_no_motion() -> None:
     value, gradient = quadratic([0, 0, 0, 0, 0, 0])
     dear = sheet_of(lambda x, y: 1 + value(x, y), gradient, gait=1)

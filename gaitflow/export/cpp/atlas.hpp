@@ -38,10 +38,7 @@ class AtlasView {
     double square = 0;
     for (const double along : mean_offset(sheet, near, asked, total)) square += along * along;
     const double log = blended(sheet, agreed(sheet, near, asked), asked);
-    double nearest = 0;
-    for (const Near& node : near) nearest = std::max(nearest, node.weight);
-    const double surrounded = 1 - std::sqrt(square) / atlas_.reach;
-    const double open = nearest / (nearest + without_motion(sheet, asked));
+    const double surrounded = 1 - std::sqrt(square) / atlas_.reach, open = total / (total + without_motion(sheet, asked));
     return {std::exp(std::clamp(log, -largest_log, largest_log)), surrounded * open};
   }
 
@@ -185,18 +182,18 @@ class AtlasView {
     return near;
   }
 
-  // The weight of the nearest place that has no motion; 0 without one within reach.
+  // The sum of the weights of the places within reach that have no motion.
   double without_motion(const Sheet& sheet, const Vector& asked) const {
-    double nearest = 0;
+    double total = 0;
     for (std::size_t at = 0; at < sheet.infeasible.size(); at += axes_) {
       double squared = 0;
       for (std::size_t axis = 0; axis < axes_; ++axis) {
         const double away = sheet.infeasible[at + axis] - asked[axis];
         squared += away * away;
       }
-      if (squared < atlas_.reach * atlas_.reach) nearest = std::max(nearest, weight(std::sqrt(squared)));
+      if (squared < atlas_.reach * atlas_.reach) total += weight(std::sqrt(squared));
     }
-    return nearest;
+    return total;
   }
 
   // The nodes with weights by distance, steepness and agreement: rule 2.
