@@ -28,8 +28,9 @@ def while_importing() -> Iterator[None]:
 def while_running() -> Iterator[None]:
     """Let Ctrl-C raise KeyboardInterrupt, so that files half written are removed, and leave when that has come up.
 
-    Compiled code may lose that exception, or turn it into another one. So whatever comes up after Ctrl-C counts for it,
-    and when nothing does the process is left after PATIENCE_S, or at another Ctrl-C.
+    Compiled code may lose that exception, or turn it into another one, and Python itself prints it and goes on in a
+    finaliser. So whatever comes up after Ctrl-C counts for it, and when nothing does the process is left after
+    PATIENCE_S, or at another Ctrl-C.
     """
     asked = threading.Event()
     last_resort = threading.Timer(PATIENCE_S, _leave_now)
@@ -42,6 +43,11 @@ def while_running() -> Iterator[None]:
         last_resort.start()
         raise KeyboardInterrupt
 
+    def lost(unraisable: sys.UnraisableHookArgs) -> None:
+        if not (asked.is_set() and issubclass(unraisable.exc_type, KeyboardInterrupt)):
+            told_before(unraisable)
+
+    told_before, sys.unraisablehook = sys.unraisablehook, lost
     with _on_ctrl_c(interrupt):
         try:
             yield
@@ -52,6 +58,8 @@ def while_running() -> Iterator[None]:
             last_resort.cancel()
             _say(str(error) if stopped and str(error) else STOPPED)
             sys.exit(130)
+        finally:
+            sys.unraisablehook = told_before
 
 
 @contextmanager

@@ -95,6 +95,22 @@ def check(folder: Path, code: int, said: str, line: str) -> None:
         time.sleep(0.05)
 
 
+def test_an_interrupt_that_a_finaliser_loses_is_one_line_too() -> None:
+    lost = """
+import os, signal, time
+from gaitflow.cli.interrupt import while_running
+class Dying:
+    def __del__(self):
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0)
+with while_running():
+    Dying()
+    time.sleep(30)
+"""
+    run = subprocess.run([sys.executable, "-c", lost], capture_output=True, text=True, timeout=20)
+    assert (run.returncode, run.stderr) == (130, LINE + "\n")
+
+
 @pytest.mark.parametrize("seconds", [0.5, 1.0])
 @pytest.mark.parametrize("stage", ["run", "solve", "estimate"])
 def test_ctrl_c_while_a_command_starts(workspace: Path, stage: str, seconds: float) -> None:
@@ -134,6 +150,7 @@ def test_ctrl_c_in_every_later_stage(workspace: Path) -> None:
                 assert "Traceback" not in said and code in (0, *STOPPED)
             else:
                 check(workspace, code, said, LINE)
+        subprocess.run(command(stage, "small.yaml"), cwd=workspace, capture_output=True, check=True)
 
 
 def test_without_a_terminal_the_whole_group_is_interrupted(workspace: Path) -> None:
