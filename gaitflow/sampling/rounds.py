@@ -19,13 +19,18 @@ KINDS: tuple[Kind, ...] = ("known", "start", "doubt", "certificate", "more")
 class Round:
     """Tasks that are searched together. `certificate` is what the round came to, plain data; None for other kinds.
 
-    askings: how often certificates were asked with the searches of a dataset, of the kind "known".
+    askings: how often certificates were asked with the searches of a dataset, of the kind "known". Raises ValueError
+    when it is negative.
     """
 
     kind: Kind
     tasks: tuple[Task, ...]
     certificate: Mapping[str, Any] | None = None
     askings: int = 0
+
+    def __post_init__(self) -> None:
+        if self.askings < 0:
+            raise ValueError(f"askings = {self.askings}: certificates cannot be asked fewer than 0 times")
 
     @property
     def of_certificate(self) -> bool:

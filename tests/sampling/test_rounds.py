@@ -26,6 +26,13 @@ def test_rounds_come_back_as_they_were() -> None:
     assert askings([a_round("start", 0.1), a_round("certificate", 0.3)]) == 0, "not answered yet"
 
 
+def test_askings_cannot_be_taken_back() -> None:
+    with pytest.raises(ValueError, match="askings = -3"):
+        Round("known", (), askings=-3)
+    with pytest.raises(ValueError, match="askings = -3"):
+        rounds_from([{"kind": "known", "tasks": [], "askings": -3}], SPACE)
+
+
 @pytest.mark.parametrize(
     "data", [7, [{"kind": "start"}], [{"kind": "x", "tasks": []}], [{"kind": "start", "tasks": [[1]]}]]
 )
