@@ -42,7 +42,7 @@ test: lint  ## lint and the fast tests, with Slurm's when it is installed; COVER
 slow-tests: $(STAMP)  ## the slow tests only
 	$(PYTEST) -m "slow and not slurm"
 
-slurm-tests: $(STAMP)  ## every test on a real Slurm (apt-get install slurm-wlm munge)
+slurm-tests: $(STAMP)  ## every test on a real Slurm (apt-get install slurm-wlm munge slurmdbd mariadb-server)
 	$(PYTEST) -m slurm --durations=5
 
 all-tests: lint  ## lint and every test, fast and slow

@@ -7,6 +7,8 @@ Everything of it lives below one folder. It needs Debian's packages slurm-wlm an
     sinfo; sbatch job.sh; squeue
     python tests/slurm/cluster.py stop /tmp/slurm      # ends its daemons and jobs and deletes the folder
 
+With `start --accounting`, `sacct` tells the CPU time of each job (tests/slurm/accounting.py).
+
 Partition `work` is the default and preemptible (its jobs are requeued); a job in `urgent` takes their place. A job that
 takes more memory than it asked for is killed.
 """
@@ -27,6 +29,8 @@ import time
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
+
+import accounting
 
 PROGRAMS = ("setsid", "munged", "slurmctld", "slurmd", "sbatch", "squeue", "sinfo", "scontrol", "scancel")
 NODES = ("n1", "n2", "n3")
@@ -56,7 +60,7 @@ TaskPlugin=task/none
 JobAcctGatherType=jobacct_gather/linux
 JobAcctGatherFrequency=task=1
 JobAcctGatherParams=OverMemoryKill
-AccountingStorageType=accounting_storage/none
+{storage}
 JobCompType=jobcomp/filetxt
 JobCompLoc={folder}/completed.log
 MailProg=/bin/true
@@ -81,9 +85,9 @@ class ClusterError(RuntimeError):
     """The cluster cannot be started or stopped; the message says why and where to look."""
 
 
-def missing_programs() -> list[str]:
-    """Which of Slurm's and munge's programs are not installed."""
-    return [program for program in PROGRAMS if program_path(program) is None]
+def missing_programs(programs: Sequence[str] = PROGRAMS) -> list[str]:
+    """Which of these programs are not installed; by default Slurm's and munge's."""
+    return [program for program in programs if program_path(program) is None]
 
 
 class Cluster:
@@ -97,13 +101,15 @@ class Cluster:
         """What a process has to have in its environment to use this cluster."""
         return {"SLURM_CONF": str(self.conf)}
 
-    def start(self, until: int | None = None) -> None:
+    def start(self, until: int | None = None, with_accounting: bool = False) -> None:
         """Start all daemons in a new folder and wait until every node is idle. Raises ClusterError.
 
         When the process `until` ends, however it ends, so does the cluster.
         """
         if missing := missing_programs():
             raise ClusterError(f"{', '.join(missing)} not found: apt-get install slurm-wlm munge")
+        if with_accounting and (missing := missing_programs(accounting.PROGRAMS)):
+            raise ClusterError(f"{', '.join(missing)} not found: apt-get install slurmdbd mariadb-server")
         if len(f"{self.folder}/munge.sock") > SOCKET_PATH_LIMIT:
             raise ClusterError(f"{self.folder}: too long for a socket's path; choose a shorter folder")
         try:
@@ -111,11 +117,16 @@ class Cluster:
         except FileExistsError:
             raise ClusterError(f"{self.folder} exists; choose a new folder, or stop the cluster in it") from None
         try:
-            self._configure()
+            database_port, slurmdbd_port = self._configure(with_accounting)
             if until is not None:
                 self._launch("keeper", sys.executable, __file__, "keep", str(self.folder), "--until", str(until))
             self._launch("munged", *self._munged())
             self._wait("munged", (self.folder / "munge.sock").exists)
+            if with_accounting:
+                self._launch("database", *accounting.database_command(self.folder, database_port))
+                self._wait("database", lambda: _listens(database_port))
+                self._launch("slurmdbd", "slurmdbd", "-D")
+                self._wait("slurmdbd", lambda: _listens(slurmdbd_port))
             self.start_controller()
             for node in NODES:
                 self.start_node(node)
@@ -216,18 +227,30 @@ class Cluster:
             if marks <= environment and any(name.startswith("SLURM_JOB_ID=") for name in environment)
         ]
 
-    def _configure(self) -> None:
+    def _configure(self, with_accounting: bool) -> tuple[int, int]:
+        """Write all configuration. Returns the ports of the database and of slurmdbd."""
         (self.folder / OWNED).touch()
         for name in ("state", "spool"):
             (self.folder / name).mkdir(mode=0o755)
         key = self.folder / "munge.key"
         key.touch(mode=0o600)
         key.write_bytes(secrets.token_bytes(1024))
-        controller, *ports = _free_ports(1 + len(NODES))
+        controller, database, slurmdbd, *ports = _free_ports(3 + len(NODES))
         nodes = (NODE.format(name=name, port=port, cpus=CPUS_PER_NODE) for name, port in zip(NODES, ports, strict=True))
+        storage = "AccountingStorageType=accounting_storage/none"
+        if with_accounting:
+            accounting.configure(self.folder, slurmdbd, database)
+            storage = accounting.STORAGE.format(port=slurmdbd, folder=self.folder)
         self.conf.write_text(
-            CONF.format(controller_port=controller, user=getpass.getuser(), folder=self.folder, nodes="\n".join(nodes))
+            CONF.format(
+                controller_port=controller,
+                user=getpass.getuser(),
+                folder=self.folder,
+                storage=storage,
+                nodes="\n".join(nodes),
+            )
         )
+        return database, slurmdbd
 
     def _munged(self) -> list[str]:
         names = {"key-file": "munge.key", "socket": "munge.sock", "pid-file": "munged.pid", "seed-file": "munge.seed"}
@@ -288,6 +311,13 @@ def _free_ports(count: int) -> list[int]:
         return [each.getsockname()[1] for each in sockets]
 
 
+def _listens(port: int) -> bool:
+    """Whether a program answers at this port of the loopback interface."""
+    with suppress(OSError), socket.create_connection(("127.0.0.1", port), timeout=1.0):
+        return True
+    return False
+
+
 def _processes() -> list[int]:
     """Everyone alive but ourselves."""
     pids = (int(path.name) for path in Path("/proc").glob("[0-9]*"))
@@ -319,12 +349,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("action", choices=("start", "stop", "env", "keep"), metavar="start|stop|env")
     parser.add_argument("folder", type=Path, help="the cluster's own folder; `start` makes it, `stop` deletes it")
     parser.add_argument("--until", type=int, metavar="PID", help="with start: stop when this process has ended")
+    parser.add_argument("--accounting", action="store_true", help="with start: keep accounts that `sacct` reads")
     options = parser.parse_args(arguments)
     cluster = Cluster(options.folder)
     try:
         match options.action:
             case "start":
-                cluster.start(options.until)
+                cluster.start(options.until, options.accounting)
             case "stop":
                 cluster.stop()
             case "keep":
