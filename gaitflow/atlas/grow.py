@@ -171,11 +171,11 @@ class Growth:
 
     def nearest(self, sheet: int, place: Place, count: int) -> list[Prediction]:
         """First-order predictions at a place from the `count` nodes of a sheet that are nearest to it."""
-        asked, steps = np.array(place), self.steps
-        near = sorted(
-            self.nodes[sheet], key=lambda other: (float(np.linalg.norm((np.array(other) - asked) / steps)), other)
-        )
-        return [self.nodes[sheet][other].moved(place) for other in near[:count]]
+        nodes = list(self.nodes[sheet].values())
+        places = np.array([node.place for node in nodes]).reshape(len(nodes), len(self.grid))
+        distances = np.linalg.norm((places - np.array(place)) / self.steps, axis=1)
+        near = np.lexsort((*places.T[::-1], distances))[:count]  # of equally distant ones the first place
+        return [nodes[number].moved(place) for number in near]
 
     def spread(self) -> None:
         """Solve neighbours, all patterns one step at a time, until nothing new is competitive."""

@@ -70,6 +70,16 @@ def test_equal_arguments_give_equal_nodes(boxed: Growth) -> None:
         np.testing.assert_array_equal(again.nodes[0][place].tangents, node.tangents)
 
 
+def test_the_nearest_nodes_come_first(boxed: Growth) -> None:
+    (v, w, _), (t, u) = boxed.grid
+    place = (0.6 * v + 0.4 * w, t)
+    found = boxed.nearest(0, place, 3)
+    for one, (speed, duration) in zip(found, [(v, t), (w, t), (v, u)], strict=True):
+        expected = boxed.nodes[0][speed, duration].moved(place)
+        assert one.cost == expected.cost
+        np.testing.assert_array_equal(one.point, expected.point)
+
+
 def test_growing_tells_how_many_nodes_there_are() -> None:
     heard: list[int] = []
     found = grow(tiny_problem(), [GALLOPS], [seed()], box(), heard.append)
