@@ -101,12 +101,13 @@ def _thinned(collected: Path, costs: pd.DataFrame) -> bytes:
 
 
 def content_digest(record: Mapping[str, Any], labels: pd.DataFrame) -> str:
-    """What makes two datasets the same: the units solved and what the labels say of them, not when or where.
+    """What makes two datasets the same: the units solved, what the labels say of them, and the askings so far.
 
-    Numbers do not count: they follow from the units, but for their last digits, which differ between machines.
+    When and where does not count, nor do numbers: they follow from the units, but for their last digits, which differ between machines.
     """
     columns = [*task_columns(labels.columns), "status", "gait", "pattern", "runner_up", "resolved", "label"]
-    text = record["units_digest"] + labels[columns].to_csv(index=False)
+    askings = f"askings {record['askings']}" if "askings" in record else ""
+    text = record["units_digest"] + askings + labels[columns].to_csv(index=False)
     return hashlib.sha256(text.encode()).hexdigest()
 
 

@@ -18,7 +18,7 @@ from gaitflow.dataset import load_solutions
 from gaitflow.dataset.collect import collect
 from gaitflow.dataset.labels import gait_costs, label_tasks
 from gaitflow.publishing import dataset as module
-from gaitflow.publishing.dataset import FILES, publish_dataset, read_manifest
+from gaitflow.publishing.dataset import FILES, content_digest, publish_dataset, read_manifest
 from gaitflow.publishing.dataset_facts import LABELS
 from gaitflow.publishing.verify_dataset import verify_dataset
 from gaitflow.publishing.versioned_folder import VersionExists, file_faults
@@ -60,6 +60,13 @@ def test_the_same_content_is_published_once(run: tuple[Path, Path, Path], tmp_pa
     with pytest.raises(VersionExists):
         publish_dataset(datasets, collected, labels, costs, "1.0.0")
     assert publish_dataset(datasets, collected, labels, costs, "2.0.0").name == "2.0.0"
+
+
+def test_one_more_asking_for_a_certificate_is_another_content(run: tuple[Path, Path, Path]) -> None:
+    """Whoever begins from the dataset would count one too few."""
+    record, labels = load_solutions(run[0]).record, pd.read_parquet(run[1])
+    contents = {content_digest({**record, **asked}, labels) for asked in ({}, {"askings": 1}, {"askings": 2})}
+    assert len(contents) == 3
 
 
 def test_the_published_rows_keep_the_motions_of_the_best(run: tuple[Path, Path, Path], tmp_path: Path) -> None:
