@@ -103,7 +103,8 @@ def _thinned(collected: Path, costs: pd.DataFrame) -> bytes:
 def content_digest(record: Mapping[str, Any], labels: pd.DataFrame) -> str:
     """What makes two datasets the same: the units solved, what the labels say of them, and the askings so far.
 
-    When and where does not count, nor do numbers: they follow from the units, but for their last digits, which differ between machines.
+    When and where does not count. Nor do numbers: they follow from the units, but for their last digits, which differ
+    between machines.
     """
     columns = [*task_columns(labels.columns), "status", "gait", "pattern", "runner_up", "resolved", "label"]
     askings = f"askings {record['askings']}" if "askings" in record else ""
