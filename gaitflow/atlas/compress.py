@@ -17,6 +17,7 @@ from gaitflow.atlas.grow import Growth
 from gaitflow.atlas.node import BARRIER
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, Sheet
+from gaitflow.runtime.nearby import REACH
 
 LARGEST = {2: 2_700_000, 3: 6_500_000}  # bytes of an atlas of two axes, in the plane and in space
 FURTHER_AXIS = 3.9  # times as many, for each axis beyond two,
@@ -30,6 +31,7 @@ NAMES = 2000  # bytes of the names and shapes of a pattern's arrays
 OF_VARIABLES, OF_ROWS, OF_BOUNDS = 100.0, 0.1, 1.0
 STRAY = 30.0  # times the usual distance of neighbours
 TEAR = 4.0  # times the usual distance of neighbours' predictions half-way between them
+FAR = 0.5  # steps from every node: places without a motion that no node is near
 BESIDE = 1.01  # steps: nodes that are further apart are no neighbours
 
 
@@ -72,7 +74,7 @@ def cost_atlas(growth: Growth, gaits: Sequence[int]) -> Atlas:
                     coordinates=np.zeros((len(ordered), 0), dtype=np.float32),
                     tangents=np.zeros((*places.shape, 0), dtype=np.float32),
                     tear=0.0,
-                    infeasible=growth.infeasible_places(number),
+                    infeasible=_beyond(growth, number),
                 )
             )
     return Atlas(tuple(growth.domain.axes), growth.steps, BARRIER, tuple(sheets))
@@ -119,7 +121,7 @@ def _analysed(growth: Growth, number: int) -> _Analysed:
     mean = points.mean(axis=0)
     points -= mean
     modes, sizes = _modes(points, tangents * growth.steps[:, None])
-    kept = 2 * (len(space.lower) + len(space.lower_rows)) + growth.infeasible_places(number).size
+    kept = 2 * (len(space.lower) + len(space.lower_rows)) + _beyond(growth, number).size
     return _Analysed(places, pairs, weights, mean, points, tangents, modes, sizes, kept)
 
 
@@ -177,8 +179,27 @@ def _sheet(growth: Growth, number: int, gait: int, sheet: _Analysed, modes: int)
         coordinates=coordinates.astype(np.float32),
         tangents=tangents.astype(np.float32),
         tear=_tear(sheet.pairs, sheet.places, coordinates, tangents),
-        infeasible=growth.infeasible_places(number),
+        infeasible=_beyond(growth, number),
     )
+
+
+def _beyond(growth: Growth, number: int) -> Array:
+    """Of the places [m, a] where a pattern has no motion those that tell where it ends.
+
+    A sheet's support weighs them all against its nodes. Searching for borders piles places up in front of them, which
+    would move a border to the nodes' side. So a node is faced by the nearest place alone; places that are far from all
+    nodes stay.
+    """
+    places = growth.infeasible_places(number)
+    if not len(places):
+        return places
+    steps, nodes = growth.steps, np.array(sorted(growth.nodes[number]))
+    away, nearest = cKDTree(places / steps).query(nodes / steps)
+    kept = np.zeros(len(places), dtype=bool)
+    kept[nearest[away < REACH]] = True
+    kept |= cKDTree(nodes / steps).query(places / steps)[0] > FAR
+    beyond: Array = places[kept]
+    return beyond
 
 
 def _tear(pairs: NDArray[np.intp], places: Array, coordinates: Array, tangents: Array) -> float:

@@ -83,6 +83,19 @@ def test_a_gait_is_not_believed_beyond_its_border(grown: Growth) -> None:
     assert supports[0] >= SUPPORT > supports[1]
 
 
+def test_many_places_beyond_a_border_do_not_move_it(grown: Growth) -> None:
+    speeds, durations = grown.grid
+    limit = (speeds[0] + speeds[-1]) / 2
+    growth = limited(grown, lambda place: place[0] <= limit)
+    find_borders(growth, [(0, place) for place in grown.nodes[0] if place[0] > limit])
+    inside = np.array((limit - growth.steps[0] / 4, durations[0]))
+    few = cost_atlas(growth, GAITS).costs(inside)[1][0]
+    for share in np.linspace(0.1, 0.4, 20):
+        growth.give_up(0, (limit + share * growth.steps[0], durations[0]))
+    many = cost_atlas(growth, GAITS).costs(inside)[1][0]
+    assert few >= SUPPORT and many >= SUPPORT
+
+
 def test_what_is_known_is_not_looked_for(grown: Growth) -> None:
     growth = limited(grown, lambda place: True)
     assert not find_borders(growth, [(0, place) for place in growth.nodes[0]])
