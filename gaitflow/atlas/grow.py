@@ -26,6 +26,7 @@ from gaitflow.search.solution import Solution
 
 COMPETITIVE = 1.15  # a gait is seeded at, and spreads from, tasks where it costs at most this times the cheapest;
 COMPETITIVE_WIDE = 1.06  # over more axes than three, where a wider band would be most of all nodes
+HOPELESS = 1.15  # over more axes than three: what is predicted to cost more times the cheapest is not tried
 CHEAPER = 1e-4  # relative: a motion that saves less is the same one
 PROMISING = 0.02  # relative: what a neighbour's motion must promise to save before it is tried
 DECIMALS = 9  # of the places of nodes
@@ -65,7 +66,12 @@ class Growth:
 
     @property
     def _competitive(self) -> float:
-        return COMPETITIVE if len(self.grid) <= 3 else COMPETITIVE_WIDE
+        return COMPETITIVE_WIDE if self._is_wide else COMPETITIVE
+
+    @property
+    def _is_wide(self) -> bool:
+        """Whether there are so many axes that most neighbours of a gait's nodes lie where it is dear."""
+        return len(self.grid) > 3
 
     @property
     def grid(self) -> tuple[tuple[float, ...], ...]:
@@ -212,16 +218,27 @@ class Growth:
             ]
         )
         by_tangents = [(sheet, near, node.moved(near)) for sheet, node, near in attempts]
-        self._solve([request for request in by_tangents if self._promises(*request)])
+        if self._is_wide:
+            by_tangents.sort(key=lambda request: request[2].cost)  # so that the cheapest of each place is known first
+        self._solve(by_tangents, self._promises)
 
-    def _solve(self, requests: Sequence[Request]) -> None:
-        for first in range(0, len(requests), AT_ONCE):
-            batch = requests[first : first + AT_ONCE]
+    def _solve(self, requests: Sequence[Request], wanted: Callable[[Request], bool] = lambda request: True) -> None:
+        """Keep the nodes that requests lead to, of those that are still `wanted` when it is their turn."""
+        left = deque(requests)
+        while left:
+            batch = list[Request]()
+            while left and len(batch) < AT_ONCE:
+                request = left.popleft()
+                if wanted(request):
+                    batch.append(request)
             for (sheet, _, _), node in zip(batch, self.solver.nodes(batch), strict=True):
                 self.keep(sheet, node)
 
-    def _promises(self, sheet: int, place: Place, predicted: Prediction) -> bool:
+    def _promises(self, request: Request) -> bool:
         """Whether a prediction is of another motion than the one that is known there, if any, and of a cheaper one."""
+        sheet, place, predicted = request
+        if self._is_wide and predicted.cost > HOPELESS * self.best.get(place, np.inf):
+            return False
         known = self.nodes[sheet].get(place)
         if known is None:
             return True

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tiny_map import GALLOP, SOLVED_AT, WALKING, solution_of, solved_at, task_of, tiny_domain, tiny_problem
+from tiny_map import GALLOP, SOLVED_AT, WALKING, solution_of, solved_at, task_of, tiny_domain, tiny_growth, tiny_problem
 
 from gaitflow.atlas import grow as grow_module
 from gaitflow.atlas.grow import COMPETITIVE, Growth, grow
@@ -78,6 +78,16 @@ def test_the_nearest_nodes_come_first(boxed: Growth) -> None:
         expected = boxed.nodes[0][speed, duration].moved(place)
         assert one.cost == expected.cost
         np.testing.assert_array_equal(one.point, expected.point)
+
+
+def test_over_many_axes_what_is_predicted_dear_is_not_solved(grown: Growth, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Growth, "_is_wide", True)
+    monkeypatch.setattr(grow_module, "COMPETITIVE_WIDE", COMPETITIVE)
+    monkeypatch.setattr(grow_module, "HOPELESS", 1.0)
+    thrifty = tiny_growth.__wrapped__()  # not the one that is kept
+    nodes, all_nodes = (sum(map(len, each.nodes)) for each in (thrifty, grown))
+    assert nodes < 0.9 * all_nodes and thrifty.solver.solves < grown.solver.solves
+    assert thrifty.best == pytest.approx(grown.best, rel=1e-3), "what is cheapest anywhere is found all the same"
 
 
 def test_growing_tells_how_many_nodes_there_are() -> None:
