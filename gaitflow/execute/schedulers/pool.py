@@ -132,6 +132,7 @@ class WorkerPool(JobQueueCluster):
             if self._keeper is not None:
                 self._keeper.cancel()
                 await asyncio.wait([self._keeper])
+            await asyncio.wait([self._correct_state()])  # a job that is being submitted has no id yet
             await self._cancel([str(job.job_id) for job in self.workers.values() if job.job_id])
 
         self.sync(end)

@@ -33,7 +33,7 @@ class Commands:
         text = {
             "sbatch": 'echo sbatch >> asked; [ -e refuse ] && { echo "sbatch: error: $(cat refuse)" >&2; exit 1; }\n'
             'id=$(wc -l < asked); mark=$(grep -o "gaitflow:[^ ]*" "$script")\n'
-            'echo "$id|PENDING|w|$mark|Priority" >> queue; echo "Submitted batch job $id"',
+            'echo "$id|PENDING|w|$mark|Priority" >> queue; [ -e slow ] && sleep 1; echo "Submitted batch job $id"',
             "squeue": "[ -e down ] && { echo 'Unable to contact slurm controller' >&2; exit 1; }; cat queue",
             "scancel": 'shift; for id; do sed -i "/^$id|/d" queue; echo "$id" >> cancelled; done',
         }
@@ -122,6 +122,16 @@ def test_the_end_of_the_pool_ends_its_jobs(slurm: Commands, store: UnitStore) ->
     with WorkerPool(Slurm(), PROFILE, store.folder, 5.0, None) as made:
         made.keep_up()
         wait_until(lambda: len(slurm.queue()) == 2)
+        made.end_jobs()
+    assert slurm.queue() == [] and slurm.submissions() == 2
+
+
+def test_jobs_whose_submission_is_not_answered_yet_are_ended_too(slurm: Commands, store: UnitStore) -> None:
+    (store.folder / "logs").mkdir(parents=True)
+    slurm.set(slow="")
+    with WorkerPool(Slurm(), PROFILE, store.folder, 5.0, None) as made:
+        made.keep_up()
+        wait_until(slurm.queue)
         made.end_jobs()
     assert slurm.queue() == [] and slurm.submissions() == 2
 
