@@ -84,8 +84,8 @@ def cost_atlas(growth: Growth, gaits: Sequence[int]) -> Atlas:
 class _Analysed:
     """A pattern's nodes in weighted numbers: points [n, ny], tangents [n, a, ny], and all their modes [m, ny].
 
-    sizes [m]: what each mode explains of the squares of all nodes, largest first. kept: how many numbers impose the
-    pattern and say where it has no motion.
+    sizes [m]: what each mode explains of the squares of all nodes, largest first. beyond [i, a]: where the pattern
+    has no motion. kept: how many numbers impose the pattern and say where that is.
     """
 
     places: Array
@@ -96,6 +96,7 @@ class _Analysed:
     tangents: Array
     modes: Array
     sizes: Array
+    beyond: Array
     kept: int
 
     @property
@@ -121,8 +122,9 @@ def _analysed(growth: Growth, number: int) -> _Analysed:
     mean = points.mean(axis=0)
     points -= mean
     modes, sizes = _modes(points, tangents * growth.steps[:, None])
-    kept = 2 * (len(space.lower) + len(space.lower_rows)) + _beyond(growth, number).size
-    return _Analysed(places, pairs, weights, mean, points, tangents, modes, sizes, kept)
+    beyond = _beyond(growth, number)
+    kept = 2 * (len(space.lower) + len(space.lower_rows)) + beyond.size
+    return _Analysed(places, pairs, weights, mean, points, tangents, modes, sizes, beyond, kept)
 
 
 def _modes(points: Array, tangents: Array) -> tuple[Array, Array]:
@@ -179,7 +181,7 @@ def _sheet(growth: Growth, number: int, gait: int, sheet: _Analysed, modes: int)
         coordinates=coordinates.astype(np.float32),
         tangents=tangents.astype(np.float32),
         tear=_tear(sheet.pairs, sheet.places, coordinates, tangents),
-        infeasible=_beyond(growth, number),
+        infeasible=sheet.beyond,
     )
 
 

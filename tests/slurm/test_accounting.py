@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -16,6 +14,7 @@ import accounting
 import pytest
 import yaml
 from cluster import Cluster, missing_programs
+from command import gaitflow
 
 pytestmark = [pytest.mark.slurm, pytest.mark.slow, pytest.mark.timeout(300)]
 
@@ -70,10 +69,3 @@ def test_units_tell_most_of_the_time_that_slurm_counts(cluster: Cluster, checkou
     counted = cpu_seconds(cluster)
     # The rest: imports and preparation, once a worker, and writing.
     assert 0.3 * counted < told < counted, (told, counted)
-
-
-def gaitflow(root: Path, *arguments: object) -> str:
-    command = [sys.executable, "-m", "gaitflow.cli", "--root", root, *arguments]
-    done = subprocess.run(list(map(str, command)), capture_output=True, text=True, timeout=240)
-    assert done.returncode == 0, done.stderr
-    return done.stdout

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -13,6 +11,7 @@ import pandas as pd
 import pytest
 import yaml
 from cluster import Cluster
+from command import gaitflow
 
 from gaitflow.store.journal import read_journal
 
@@ -28,13 +27,6 @@ def workspace(root: Path, checkout: Path) -> Path:
     data["transcription"]["knots_per_phase"] = 3
     file.write_text(yaml.safe_dump(data))
     return root
-
-
-def gaitflow(root: Path, *arguments: object) -> str:
-    command = [sys.executable, "-m", "gaitflow.cli", "--root", root, *arguments]
-    done = subprocess.run(list(map(str, command)), capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
 
 
 def test_submitted_once_it_gives_the_same_labels_as_locally(cluster: Cluster, checkout: Path, tmp_path: Path) -> None:
