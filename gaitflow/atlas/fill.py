@@ -1,7 +1,7 @@
 """Where the atlas predicts badly between its nodes: kinks, cliffs and borders of gaits get nodes of their own.
 
 The centres of the grid's cells are tested. Where a test fails, a node is added, and the parts of the cell are tested
-next, those of the worst cells first.
+next, those of the worst cells first. Of a cell and its mirror image one is tested, where nodes have images.
 """
 
 from __future__ import annotations
@@ -62,6 +62,8 @@ def fill(
     cells, left = _cells(growth), MOST_TESTS * (FURTHER_AXIS if len(growth.grid) > 2 else 1)
     if growth.problem.scenario.objective.energy:
         left //= FEWER_OF_ENERGY
+    if growth.images is not None:
+        left //= 2  # each tells as much of its image
     done = 0
     for number in range(rounds):
         atlas = compiled()
@@ -78,7 +80,7 @@ def fill(
         done += len(cells)
         growth.spread()
         worst = sorted(wrong, key=lambda each: -each[1])
-        cells = [part for cell, _ in worst for part in cell.parts()][:left]
+        cells = _one_of_images(growth, [part for cell, _ in worst for part in cell.parts()])[:left]
         if not cells:
             return
 
@@ -98,7 +100,13 @@ def _cells(growth: Growth) -> list[Cell]:
         )
         for box in product(*ends)
     ]
-    return [cell for cell in boxes if any(cell.half) and growth.inside(cell.centre)]
+    return _one_of_images(growth, [cell for cell in boxes if any(cell.half) and growth.inside(cell.centre)])
+
+
+def _one_of_images(growth: Growth, cells: Sequence[Cell]) -> list[Cell]:
+    """The cells without the mirror images of others, where nodes have images."""
+    images = growth.images
+    return [cell for cell in cells if images is None or cell.centre <= images.place(cell.centre)]
 
 
 def _errors(

@@ -67,12 +67,16 @@ def solve(
                 raise ValueError(f"{scenario.name}: its tasks are a grid; only a sampling begins from a dataset")
             return search(), collect(store, scenario)
         from gaitflow.execute.node_processes import node_processes
+        from gaitflow.pipeline.kept_nodes import kept_nodes
         from gaitflow.pipeline.sampling import sample
         from gaitflow.pipeline.searches import begin_from
         from gaitflow.sampling.rounds import askings, held_out
 
         known = None if begin is None else begin_from(store, scenario, begin)
-        with node_processes(scenario, workers) as each:
+        with (
+            node_processes(scenario, workers) as solving,
+            kept_nodes(run.solved_nodes, scenario, solving) as each,
+        ):
             rounds = sample(run, scenario, search, tell, each, known)
         chosen = [task for one in rounds for task in one.tasks]
         return search(chosen), collect(store, scenario, chosen, held_out(rounds), askings=askings(rounds))

@@ -28,6 +28,11 @@ class Run:
         return self.folder / "sampling" / "rounds.json"
 
     @property
+    def solved_nodes(self) -> Path:
+        """The nodes that an adaptive sampling has solved so far; removed, they are solved again."""
+        return self.folder / "sampling" / "nodes.sqlite"
+
+    @property
     def sampled_atlas(self) -> Path:
         """The atlas that an adaptive sampling ended with; what it says of it in `sampled_record`."""
         return self.folder / "sampling" / "atlas.safetensors"

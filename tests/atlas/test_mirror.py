@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from gaitflow.atlas import fill
 from gaitflow.atlas.grow import Growth
 from gaitflow.atlas.mirror import NodeImages
 from gaitflow.atlas.node import Node, NodeSolver
@@ -80,3 +81,13 @@ def test_a_growth_stores_the_image_of_each_node_without_a_solve() -> None:
     assert growth.keep(0, _node())
     assert list(growth.nodes[0]) == [PLACE] and list(growth.nodes[1]) == [(0.4, -0.2, -0.5, 0.6)]
     assert _solver().solves == before and growth.best[0.4, -0.2, -0.5, 0.6] == _node().cost
+
+
+def test_of_a_cell_and_its_image_one_is_tested() -> None:
+    ranges = {"speed": (0.3, 0.5), "lateral_speed": (-0.3, 0.0, 0.3), "yaw_rate": (-0.6, -0.2, 0.2, 0.6)}
+    domain = Domain(ranges | {"cycle_duration": (0.5, 0.7)}, np.ones((2, 3, 4, 2), dtype=bool))
+    every = Growth(_solver().problem, _solver(), domain)
+    mirrored = Growth(_solver().problem, _solver(), domain, images=_images())
+    tested = [cell.centre for cell in fill._cells(mirrored)]
+    assert len(tested) == 3 and len(fill._cells(every)) == 6
+    assert {*tested, *map(_images().place, tested)} == {cell.centre for cell in fill._cells(every)}
