@@ -22,6 +22,7 @@ from gaitflow.solvers.interior_point import Outcome
 ROUNDS = 3
 MOST_TESTS = 1000  # on two axes
 FURTHER_AXIS = 3  # times as many on three axes and more
+FEWER_WIDE = 2  # times fewer over more axes than three, where a test that fails has most neighbours to spread to
 FEWER_OF_ENERGY = 3  # times fewer: energy's derivatives take three times as long
 GOOD = 8  # iterations that a prediction may need
 LIMIT = 18  # iterations beyond which a prediction led nowhere
@@ -60,6 +61,8 @@ def fill(
     `on_test` hears how many tests are done, and how many there will be if as many fail as did so far.
     """
     cells, left = _cells(growth), MOST_TESTS * (FURTHER_AXIS if len(growth.grid) > 2 else 1)
+    if growth.is_wide:
+        left //= FEWER_WIDE
     if growth.problem.scenario.objective.energy:
         left //= FEWER_OF_ENERGY
     if growth.images is not None:

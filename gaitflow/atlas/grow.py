@@ -8,7 +8,7 @@ neighbour's motion is cheaper. A node off the grid spreads to the corners of its
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from itertools import product
@@ -26,7 +26,8 @@ from gaitflow.search.solution import Solution
 
 COMPETITIVE = 1.15  # a gait is seeded at, and spreads from, tasks where it costs at most this times the cheapest;
 COMPETITIVE_WIDE = 1.06  # over more axes than three, where a wider band would be most of all nodes
-HOPELESS = 1.15  # over more axes than three: what is predicted to cost more times the cheapest is not tried
+HOPELESS = 1.15  # over more axes than three: what is predicted to cost more times the cheapest is not tried,
+MOST_IN_VAIN = 2  # and a gait is not tried again at a place after as many attempts in vain
 CHEAPER = 1e-4  # relative: a motion that saves less is the same one
 PROMISING = 0.02  # relative: what a neighbour's motion must promise to save before it is tried
 DECIMALS = 9  # of the places of nodes
@@ -51,6 +52,7 @@ class Growth:
     images: NodeImages | None = None
     _starts: list[dict[Place, Prediction]] = field(init=False)
     _fringe: deque[tuple[int, Place]] = field(default_factory=deque)
+    _in_vain: Counter[tuple[int, Place]] = field(default_factory=Counter)  # attempts that led to no cheaper motion
 
     def __post_init__(self) -> None:
         self.nodes = [{} for _ in self.solver.patterns]
@@ -66,10 +68,10 @@ class Growth:
 
     @property
     def _competitive(self) -> float:
-        return COMPETITIVE_WIDE if self._is_wide else COMPETITIVE
+        return COMPETITIVE_WIDE if self.is_wide else COMPETITIVE
 
     @property
-    def _is_wide(self) -> bool:
+    def is_wide(self) -> bool:
         """Whether there are so many axes that most neighbours of a gait's nodes lie where it is dear."""
         return len(self.grid) > 3
 
@@ -218,7 +220,7 @@ class Growth:
             ]
         )
         by_tangents = [(sheet, near, node.moved(near)) for sheet, node, near in attempts]
-        if self._is_wide:
+        if self.is_wide:
             by_tangents.sort(key=lambda request: request[2].cost)  # so that the cheapest of each place is known first
         self._solve(by_tangents, self._promises)
 
@@ -231,13 +233,16 @@ class Growth:
                 request = left.popleft()
                 if wanted(request):
                     batch.append(request)
-            for (sheet, _, _), node in zip(batch, self.solver.nodes(batch), strict=True):
-                self.keep(sheet, node)
+            for (sheet, place, _), node in zip(batch, self.solver.nodes(batch), strict=True):
+                if not self.keep(sheet, node):
+                    self._in_vain[sheet, place] += 1
 
     def _promises(self, request: Request) -> bool:
         """Whether a prediction is of another motion than the one that is known there, if any, and of a cheaper one."""
         sheet, place, predicted = request
-        if self._is_wide and predicted.cost > HOPELESS * self.best.get(place, np.inf):
+        if self.is_wide and (
+            self._in_vain[sheet, place] >= MOST_IN_VAIN or predicted.cost > HOPELESS * self.best.get(place, np.inf)
+        ):
             return False
         known = self.nodes[sheet].get(place)
         if known is None:

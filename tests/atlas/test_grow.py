@@ -81,12 +81,24 @@ def test_the_nearest_nodes_come_first(boxed: Growth) -> None:
 
 
 def test_over_many_axes_what_is_predicted_dear_is_not_solved(grown: Growth, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Growth, "_is_wide", True)
+    monkeypatch.setattr(Growth, "is_wide", True)
     monkeypatch.setattr(grow_module, "COMPETITIVE_WIDE", COMPETITIVE)
     monkeypatch.setattr(grow_module, "HOPELESS", 1.0)
     thrifty = tiny_growth.__wrapped__()  # not the one that is kept
     nodes, all_nodes = (sum(map(len, each.nodes)) for each in (thrifty, grown))
     assert nodes < 0.9 * all_nodes and thrifty.solver.solves < grown.solver.solves
+    assert thrifty.best == pytest.approx(grown.best, rel=1e-3), "what is cheapest anywhere is found all the same"
+
+
+def test_over_many_axes_a_gait_is_given_up_at_a_place_after_attempts_in_vain(
+    grown: Growth, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Growth, "is_wide", True)
+    monkeypatch.setattr(grow_module, "COMPETITIVE_WIDE", COMPETITIVE)
+    monkeypatch.setattr(grow_module, "HOPELESS", np.inf)
+    monkeypatch.setattr(grow_module, "MOST_IN_VAIN", 1)
+    thrifty = tiny_growth.__wrapped__()
+    assert thrifty.solver.solves < grown.solver.solves
     assert thrifty.best == pytest.approx(grown.best, rel=1e-3), "what is cheapest anywhere is found all the same"
 
 
