@@ -22,7 +22,7 @@ class Sampling(Config):
     seed: Annotated[int, Field(ge=0)] = 0
     start: Count | None = None  # tasks that are spread over the whole box first; null: 16 on two axes, doubled an axis
     each: Count | None = None  # tasks of a round after that; null: half as many
-    most: Count = 1000  # tasks that are searched at most, those of certificates among them
+    most: Count = 1000  # tasks of all searches at most, of certificates and of a dataset to begin with as well
     dearer: Share = 0.02
     infeasible: Share = 0.005
 

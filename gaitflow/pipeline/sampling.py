@@ -62,7 +62,7 @@ def sample(
     steps = Steps(making, sampling.seed)
     for number in range(sampling.most):  # no sampling has as many rounds, as each searches a task at least
         if number == len(rounds):
-            left = sampling.most - sum(len(one.tasks) for one in rounds if one.kind != "known")
+            left = sampling.most - sum(len(one.tasks) for one in rounds)
             kind = steps.next_kind(left)
             if kind is None:
                 break

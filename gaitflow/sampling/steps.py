@@ -129,9 +129,10 @@ class Steps:
         if self._prepared != self._rounds:
             self._prepared, making = self._rounds, self._making
             making.fill()
-            planned = tasks_needed(0, self._sampling.infeasible, chances_of(1)[1])
-            seed = (self._seed + 1) * MORE_SEEDS**4 + self._rounds * MORE_SEEDS
-            self._lacking = rehearse(making, self._picks, planned, seed)
+            if not making.growth.is_wide:  # over so many axes a node at a random task tells of too few others
+                planned = tasks_needed(0, self._sampling.infeasible, chances_of(1)[1])
+                seed = (self._seed + 1) * MORE_SEEDS**4 + self._rounds * MORE_SEEDS
+                self._lacking = rehearse(making, self._picks, planned, seed)
             self.missed = making.settle()
         return self._lacking
 
