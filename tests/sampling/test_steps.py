@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -35,6 +36,7 @@ class Making:
         self.told: list[str] = []
         self.tell = self.told.append
         self.wrong = self.filled = 0
+        self.growth = SimpleNamespace(is_wide=False)
 
     def judge(self, tasks: Sequence[Task]) -> list[Verdict]:
         return [Verdict(task, "trot", "trot", 0.1 * (number < self.wrong)) for number, task in enumerate(tasks)]
@@ -99,6 +101,17 @@ def test_a_quiet_round_is_followed_by_tests_and_a_certificate(making: Making) ->
     doubt(after, making, wrong=0)
     assert after.next_kind(1000) == "certificate" and making.filled == 1
     assert making.told[-1] == "doubt: 0 of 8 picks were wrong, 1 gaits"
+
+
+@pytest.mark.parametrize(("is_wide", "expected"), [(False, "doubt"), (True, "certificate")])
+def test_random_picks_that_lack_a_gait_lead_to_searches_but_over_many_axes(
+    making: Making, monkeypatch: pytest.MonkeyPatch, is_wide: bool, expected: str
+) -> None:
+    monkeypatch.setattr(steps, "rehearse", lambda *_: 1)
+    making.growth.is_wide = is_wide
+    after = begun(making)
+    doubt(after, making, wrong=0)
+    assert after.next_kind(1000) == expected and making.filled == 1
 
 
 def test_small_rounds_that_are_never_quiet_are_not_repeated_for_ever(making: Making) -> None:
