@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from gaitflow.certificate.bound import CONFIDENCE, chances_of, upper_bound
+from gaitflow.certificate.bound import CONFIDENCE, chance_of, chances_of, upper_bound
 from gaitflow.certificate.judge import DEARER, Verdict
 
 
@@ -14,11 +14,15 @@ from gaitflow.certificate.judge import DEARER, Verdict
 class Certificate:
     """What holds for a map with the confidence `confidence`, by the asking number `asking`.
 
-    At most the share `dearer_bound` of its domain's tasks get a pick more than `tolerance` dearer than the best that
-    the scenario's search finds, and at most `infeasible_bound` one without a motion. searched: random tasks that were
-    searched, none of which had a part in making the map, of which `dearer` picks failed. planned: those and further
-    ones whose picks were planned only, of which `infeasible` have no motion. cheaper: picks that cost less than what
-    the search found. worst_excess: the largest excess of a pick with a motion.
+    At most the share `dearer_bound` of its domain's tasks get a plan more than `tolerance` dearer than the best that
+    the scenario's search finds, and at most `infeasible_bound` none. searched: random tasks that were searched, none of
+    which had a part in making the map, of which `dearer` plans failed. planned: those and further ones that were
+    planned only, of which `infeasible` have no plan. cheaper: plans that cost less than what the search found.
+    worst_excess: the largest excess of a plan.
+
+    selected_dearer: how many of the searched tasks get a gait by `select`, before anything is solved, whose own motion
+    is more than `tolerance` dearer or not there. selected_bound: that bound for these, which holds with the same
+    confidence by itself. Certificates from before plans were judged have neither; all that they say is of selections.
     """
 
     searched: int
@@ -31,14 +35,16 @@ class Certificate:
     worst_excess: float
     asking: int
     seed: int
+    selected_dearer: int | None = None
+    selected_bound: float | None = None
     tolerance: float = DEARER
     confidence: float = CONFIDENCE
 
     def __str__(self) -> str:
         return (
-            f"with {self.confidence:.0%} confidence at most {self.dearer_bound:.2%} of the domain's tasks get a pick "
-            f"more than {self.tolerance:.0%} dearer than the search's best, at most {self.infeasible_bound:.2%} one "
-            f"without a motion ({self.dearer} of {self.searched} searched, {self.infeasible} of {self.planned} planned)"
+            f"with {self.confidence:.0%} confidence at most {self.dearer_bound:.2%} of the domain's tasks get a plan "
+            f"more than {self.tolerance:.0%} dearer than the search's best, at most {self.infeasible_bound:.2%} none "
+            f"({self.dearer} of {self.searched} searched, {self.infeasible} of {self.planned} planned)"
         )
 
     def as_data(self) -> dict[str, Any]:
@@ -46,21 +52,28 @@ class Certificate:
         return asdict(self)
 
 
-def certify(verdicts: Sequence[Verdict], further: Sequence[bool], asking: int, seed: int) -> Certificate:
-    """The certificate of searched picks, and of `further` ones, of which is only known whether they have a motion."""
+def certify(
+    plans: Sequence[Verdict], selections: Sequence[Verdict], further: Sequence[bool], asking: int, seed: int
+) -> Certificate:
+    """The certificate of plans at searched tasks, and of `further` ones, of which is only known whether there is one.
+
+    `selections` are verdicts on the gaits that the map names at the searched tasks.
+    """
     chance_dearer, chance_infeasible = chances_of(asking)
-    dearer = sum(verdict.dearer for verdict in verdicts)
-    infeasible = sum(verdict.infeasible for verdict in verdicts) + sum(not feasible for feasible in further)
-    planned = len(verdicts) + len(further)
+    dearer, selected = (sum(verdict.dearer for verdict in verdicts) for verdicts in (plans, selections))
+    infeasible = sum(verdict.infeasible for verdict in plans) + sum(not feasible for feasible in further)
+    planned = len(plans) + len(further)
     return Certificate(
-        searched=len(verdicts),
+        searched=len(plans),
         dearer=dearer,
-        dearer_bound=upper_bound(dearer, len(verdicts), chance_dearer),
+        dearer_bound=upper_bound(dearer, len(plans), chance_dearer),
         planned=planned,
         infeasible=infeasible,
         infeasible_bound=upper_bound(infeasible, planned, chance_infeasible),
-        cheaper=sum(verdict.excess < -1e-6 for verdict in verdicts),
-        worst_excess=max((one.excess for one in verdicts if not one.infeasible), default=0.0),
+        cheaper=sum(verdict.excess < -1e-6 for verdict in plans),
+        worst_excess=max((one.excess for one in plans if not one.infeasible), default=0.0),
         asking=asking,
         seed=seed,
+        selected_dearer=selected,
+        selected_bound=upper_bound(selected, len(selections), chance_of(asking)),
     )

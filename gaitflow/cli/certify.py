@@ -21,7 +21,7 @@ SHOWN = 10
 @json_option
 @click.pass_obj
 def certify(workspace: Workspace, map_folder: Path, tasks: int | None, seed: int, workers: int, as_json: bool) -> None:
-    """Search random tasks of MAP's domain and say with 95 % confidence how many of its picks may be wrong.
+    """Search random tasks of MAP's domain and say with 95 % confidence how many of its plans may be wrong.
 
     Each task is searched as the map's scenario says, from nothing that is known, which takes minutes to hours. Stop it
     with Ctrl-C; the same command goes on where it stopped.
@@ -45,7 +45,7 @@ def certify(workspace: Workspace, map_folder: Path, tasks: int | None, seed: int
         listed = [
             {
                 "task": {axis: one.task[axis] for axis in axes},
-                "pick": names[one.pick],
+                "gait": names[one.pick],
                 "best": one.best,
                 "excess": None if one.infeasible else one.excess,
             }
@@ -54,7 +54,7 @@ def certify(workspace: Workspace, map_folder: Path, tasks: int | None, seed: int
         return print_json(certificate.as_data() | {"map": gait_map.manifest.name, "wrong": listed})
     click.echo(f"{gait_map.manifest.name} {gait_map.manifest.version}: {certificate}")
     for one in wrong[:SHOWN]:
-        how = "has no motion" if one.infeasible else f"{one.excess:.1%} dearer"
+        how = "not planned" if one.infeasible else f"{one.excess:.1%} dearer"
         click.echo(
             f"  {one.task.text(axes)}: {names[one.pick]} {how}, the search found {names.get(one.best, one.best)}"
         )

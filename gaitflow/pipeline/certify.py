@@ -1,4 +1,4 @@
-"""A certificate for a published map: its picks at random tasks beside what the scenario's own search finds there."""
+"""A certificate for a published map: its plans at random tasks beside what the scenario's own search finds."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pandas as pd
 from gaitflow.certificate.bound import chances_of, tasks_needed
 from gaitflow.certificate.certificate import Certificate, certify
 from gaitflow.certificate.draw import draw_tasks
-from gaitflow.certificate.judge import Verdict, judge_picks
+from gaitflow.certificate.judge import Verdict, judge_picks, judge_plans
 from gaitflow.config.file import ConfigError
 from gaitflow.config.sampling import Sampling
 from gaitflow.config.scenario import Scenario
@@ -34,11 +34,12 @@ PLANNED_SEED = 10**12  # apart from the seeds of the searched tasks, and from th
 def certify_map(
     workspace: Workspace, path: Path, workers: int, tasks: int | None, seed: int
 ) -> tuple[Certificate, list[Verdict], GaitMap]:
-    """Search `tasks` random tasks of a map's domain cold, on `workers` processes, and judge its picks there.
+    """Search `tasks` random tasks of a map's domain cold, on `workers` processes, and judge its plans there.
 
-    By default as many as bound the dearer picks by 2 % when none fails; further picks are planned only, as many as
-    bound those without a motion by 0.5 %. What is searched is stored in runs/certify-NAME-VERSION: a certificate that
-    was stopped goes on. Raises ArtifactError for a map that the installed code cannot plan or search for, EmptyDomain.
+    Returns the verdicts on the plans, too. By default as many tasks are searched as bound the dearer plans by 2 % when
+    none fails; further ones are planned only, as many as bound those without a plan by 0.5 %. What is searched is
+    stored in runs/certify-NAME-VERSION: a certificate that was stopped goes on. Raises ArtifactError for a map that the
+    installed code cannot plan or search for, EmptyDomain.
     """
     gait_map = GaitMap.load(path)
     scenario = _scenario_of(gait_map)
@@ -49,11 +50,12 @@ def certify_map(
     domain, space = gait_map.manifest.domain, scenario.tasks.space
     drawn = draw_tasks(domain, space, number, seed, "held_out")
     costs = _searched(workspace, gait_map, scenario, drawn, workers)
-    verdicts = judge_picks(drawn, [_pick(gait_map, task) for task in drawn], costs, _cost_of_pick(gait_map))
+    plans = judge_plans(drawn, [_planned(gait_map, task) for task in drawn], costs)
+    selections = judge_picks(drawn, [_pick(gait_map, task) for task in drawn], costs, _cost_of_pick(gait_map))
     further = max(tasks_needed(0, goal.infeasible, chance_infeasible) - number, 0)
     planned = draw_tasks(domain, space, further, PLANNED_SEED + seed, "held_out")
-    have_motion = [_cost_of_pick(gait_map)(task) is not None for task in planned]
-    return certify(verdicts, have_motion, 1, seed), verdicts, gait_map
+    have_plans = [_planned(gait_map, task)[1] is not None for task in planned]
+    return certify(plans, selections, have_plans, 1, seed), plans, gait_map
 
 
 def _scenario_of(gait_map: GaitMap) -> Scenario:
@@ -86,9 +88,17 @@ def _values(gait_map: GaitMap, task: Task) -> dict[str, Any]:
     return {axis: task[axis] for axis in gait_map.axes}
 
 
+def _planned(gait_map: GaitMap, task: Task) -> tuple[str, float | None]:
+    plan = gait_map.plan(**_values(gait_map, task))
+    return _key(gait_map, plan.gait), plan.cost if plan.feasible else None
+
+
 def _pick(gait_map: GaitMap, task: Task) -> str:
-    choice, keys = gait_map.select(**_values(gait_map, task)), {gait.name: gait.key for gait in gait_map.gaits}
-    return keys[str(choice.gait)]
+    return _key(gait_map, gait_map.select(**_values(gait_map, task)).gait)
+
+
+def _key(gait_map: GaitMap, name: str | None) -> str:
+    return next(gait.key for gait in gait_map.gaits if gait.name == name)
 
 
 def _cost_of_pick(gait_map: GaitMap) -> Callable[[Task], float | None]:

@@ -114,20 +114,30 @@ def _quality(manifest: Manifest) -> str:
 
 
 def _certificate(manifest: Manifest) -> str:
-    """What holds for the map's picks, when the metrics have a certificate."""
+    """What holds for the map's plans, or for its picks in an older map, when the metrics have a certificate."""
     found = manifest.metrics.get("certificate")
     if not isinstance(found, Mapping):
         return ""
+    selected = found.get("selected_bound")
+    what, none = ("pick", "one without a motion") if selected is None else ("plan", "none")
+    of_selections = (
+        ""
+        if selected is None
+        else f"""
+`select` names a gait before anything is solved: at {found["selected_dearer"]} of the searched tasks one that is more
+than {found["tolerance"]:.0%} dearer. With the same confidence, for this bound alone, these are at most
+**{selected:.2%}** of the domain's tasks. A plan tries other gaits that may be cheaper, too.
+"""
+    )
     return f"""## Certificate
 
-With {found["confidence"]:.0%} confidence at most **{found["dearer_bound"]:.2%}** of the domain's tasks get a pick that
-is more than {found["tolerance"]:.0%} dearer than the best gait that the search finds, and at most
-**{found["infeasible_bound"]:.2%}** one without a motion. {found["searched"]} random tasks that had no part in making
-the map were searched: {found["dearer"]} picks were dearer. {found["planned"]} were planned: {found["infeasible"]}
-picks had no motion. The bounds are exact (binomial). They hold although this was asked {found["asking"]} time(s) while
-the map was made: each asking had a part of the 5 % chance of error. `gaitflow certify` asks again, at tasks of your own
-seed.
-"""
+With {found["confidence"]:.0%} confidence at most **{found["dearer_bound"]:.2%}** of the domain's tasks get a {what}
+that is more than {found["tolerance"]:.0%} dearer than the best gait that the search finds, and at most
+**{found["infeasible_bound"]:.2%}** {none}. {found["searched"]} random tasks that had no part in making the map were
+searched: {found["dearer"]} {what}s were dearer. {found["planned"]} were planned: at {found["infeasible"]} no motion was
+found. The bounds are exact (binomial). They hold although this was asked {found["asking"]} time(s) while the map was
+made: each asking had a part of the 5 % chance of error. `gaitflow certify` asks again, at tasks of your own seed.
+{of_selections}"""
 
 
 def _starts(manifest: Manifest) -> str:

@@ -38,8 +38,8 @@ def faults_of_certificate(goal: Sampling, certificate: Mapping[str, Any] | None)
     if certificate is None:
         return [f"no certificate: tasks.sampling.most = {goal.most} tasks were searched before one could be tried"]
     measured = [
-        ("dearer", "share of tasks whose pick may be too dear", certificate["dearer_bound"]),
-        ("infeasible", "share of tasks whose pick may have no motion", certificate["infeasible_bound"]),
+        ("dearer", "share of tasks whose plan may be too dear", certificate["dearer_bound"]),
+        ("infeasible", "share of tasks that may have no plan", certificate["infeasible_bound"]),
     ]
     return [
         f"{what}, by the certificate, is {value:.3g}, more than tasks.sampling.{name} = {getattr(goal, name):g}"

@@ -22,7 +22,7 @@ COLUMNS = (
     "tasks are",
     "tasks",
     "searched so far",
-    "wrong picks",
+    "wrong",
     "gaits known",
     "too dear, at most",
     "without a motion, at most",
@@ -43,9 +43,9 @@ def certificate_in_words(record: SamplingRecord, goal: Sampling) -> tuple[str, .
     chosen = (
         f"The map chose the {searched} tasks that were searched, in {len(record.rounds)} rounds: first spread over the "
         "whole box of its axes, then where it was least sure of its pick. Once it was rarely wrong, random tasks of "
-        "its domain were searched to certify it; where too many picks failed, the map was made from these tasks, too. "
-        "Wrong are picks that are too dear or have no motion: of a round before the map was made from it, of a "
-        "certificate among all of its tasks."
+        "its domain were searched to certify it; where too many answers failed, the map was made from these, too. "
+        "Wrong are answers that are too dear or have no motion: of a round the picks before the map was made from it, "
+        "of a certificate among all of its tasks."
     )
     faults = faults_of_certificate(goal, record.certificate)
     return (chosen, *_statement(record.certificate), *(f"Short of the scenario's goal: {fault}." for fault in faults))
@@ -54,16 +54,27 @@ def certificate_in_words(record: SamplingRecord, goal: Sampling) -> tuple[str, .
 def _statement(found: Mapping[str, Any] | None) -> tuple[str, ...]:
     if found is None:
         return ()
-    asked = found["asking"]
+    asked, selected = found["asking"], found.get("selected_bound")
+    what, none = ("pick", "one without a motion") if selected is None else ("plan", "none")
     often = f", and hold although certificates were tried {asked} times: each had a part of the chance of error"
     return (
         f"With {found['confidence']:.0%} confidence at most {percent(found['dearer_bound'])} of the domain's tasks get "
-        f"a pick that is more than {percent(found['tolerance'])} dearer than the best gait that the search finds, and "
-        f"at most {percent(found['infeasible_bound'])} one without a motion. {found['searched']} random tasks that the "
-        f"map is not made from were searched: {found['dearer']} picks were dearer, the worst pick with a motion by "
+        f"a {what} that is more than {percent(found['tolerance'])} dearer than the best gait that the search finds, "
+        f"and at most {percent(found['infeasible_bound'])} {none}. {found['searched']} random tasks that the map is "
+        f"not made from were searched: {found['dearer']} {what}s were dearer, the worst one by "
         f"{percent(found['worst_excess'])}, and {found['cheaper']} cheaper than what the search had found. "
-        f"{found['planned']} picks were planned: {found['infeasible']} had no motion. The bounds are exact "
+        f"{found['planned']} were planned: at {found['infeasible']} no motion was found. The bounds are exact "
         f"(binomial){often if asked > 1 else ''}.",
+        *(() if selected is None else (_of_selections(found),)),
+    )
+
+
+def _of_selections(found: Mapping[str, Any]) -> str:
+    return (
+        f"`select` names a gait before anything is solved. At {found['selected_dearer']} of the searched tasks that "
+        f"gait is more than {percent(found['tolerance'])} dearer; with the same confidence, for this bound alone, at "
+        f"most at {percent(found['selected_bound'])} of the domain's tasks. A plan tries other gaits that may be "
+        "cheaper, too."
     )
 
 

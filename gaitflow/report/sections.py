@@ -51,7 +51,7 @@ def highlights(
         judged = quality["held_out"] if quality["held_out"]["tasks"] else quality["cross_validation"]
         pairs += [("classifier published", learning["method"]), ("mean cost regret", percent(judged["regret_mean"]))]
     if sampling is not None and sampling.certificate is not None:
-        pairs += [("picks too dear, at most", percent(sampling.certificate["dearer_bound"]))]
+        pairs += [("answers too dear, at most", percent(sampling.certificate["dearer_bound"]))]
     return pairs
 
 

@@ -40,6 +40,7 @@ from gaitflow.runtime.nearby import REACH, EveryNode, EveryPlace, Near, weights_
 from gaitflow.solvers.point import GaitSpace
 
 SUPPORT = 0.7  # of a cost that is believed: the nodes' centre is at most 0.45 steps off
+TRIED = SUPPORT / 2  # of a cost that a plan tries to reach: half of the gaits that were missed are not believed
 DOUBT = 0.25  # of the spread of the nodes' promises: a cost is seldom further below its prediction
 LARGEST_LOG = 200.0  # of a cost, so that it and its products with stored numbers are finite
 
@@ -175,7 +176,7 @@ class Atlas:
         return [self._prediction(chosen, float(log), one) for log, one in zip(logs, moved, strict=True)]
 
     def least_costs(self, place: Array) -> Array:
-        """What each sheet may cost at a place at the least, the problem's; infinite where the cost is not believed.
+        """What each sheet may cost at a place at the least, the problem's; infinite below a support of TRIED.
 
         A prediction is as good as its nodes agree: what it may be off by is DOUBT times the standard deviation, with
         the nodes' weights by distance alone, of the logarithms that they promise, each by its whole tangent.
@@ -186,7 +187,7 @@ class Atlas:
             total = np.bincount(near.owner, near.weights, count)
             mean = np.bincount(near.owner, near.weights * near.promises, count) / total
             squares = np.bincount(near.owner, near.weights * (near.promises - mean[near.owner]) ** 2, count)
-            return np.where(support < SUPPORT, np.inf, costs * np.exp(-DOUBT * np.sqrt(squares / total)))
+            return np.where(support < TRIED, np.inf, costs * np.exp(-DOUBT * np.sqrt(squares / total)))
 
     @staticmethod
     def _prediction(sheet: Sheet, log: float, coordinates: Array) -> Prediction:

@@ -23,7 +23,7 @@ from gaitflow.runtime.choice import Choice, Choices
 from gaitflow.runtime.hysteresis import MARGIN, checked_margin, is_kept
 from gaitflow.runtime.left_out import Chooser, ChosenValue, Per, left_out
 from gaitflow.runtime.manifest import Gait, Manifest
-from gaitflow.runtime.plan import Asked, Plan, refine_ranked
+from gaitflow.runtime.plan import TOP, Asked, Plan, refine_ranked
 from gaitflow.runtime.questions import Questions
 from gaitflow.runtime.remote import local_folder
 from gaitflow.runtime.switching import check_switchable
@@ -157,7 +157,7 @@ class GaitMap:
         *,
         gait: str | None = None,
         per: Per = "second",
-        top: int = 5,
+        top: int = TOP,
         beyond: bool = False,
         **axes: float,
     ) -> Plan:

@@ -21,6 +21,7 @@ from gaitflow.runtime.attempt import Attempt, Candidate, GaitRefiner
 from gaitflow.runtime.left_out import ChosenValue
 from gaitflow.runtime.manifest import Gait
 
+TOP = 5  # gaits that a plan tries unless it is told otherwise
 LEAST_SAVING = 1e-3  # relative cost that another candidate must promise, and come, to save
 
 

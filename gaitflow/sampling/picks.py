@@ -6,19 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 
 from gaitflow.atlas.border import find_borders
 from gaitflow.atlas.fill import LIMIT
-from gaitflow.certificate.judge import DEARER, Verdict, judge_picks
+from gaitflow.certificate.judge import DEARER, Verdict, judge_picks, judge_plans
 from gaitflow.core.task import Task
 from gaitflow.dataset.labels import gait_costs
-from gaitflow.runtime.atlas import SUPPORT
+from gaitflow.runtime.atlas import SUPPORT, TRIED
 from gaitflow.sampling.making import MapInMaking
+from gaitflow.sampling.planning import Planning
 from gaitflow.search.attempts import best_of, until_feasible
 from gaitflow.solvers.fixed_gait import FixedGaitSolver
 
 STARTS = 2  # nearest nodes of a pattern from which a pick is solved
-HALF_BELIEVED = SUPPORT / 2  # support from which a cheaper gait makes a pick suspicious
 
 
 @dataclass(frozen=True)
@@ -46,15 +47,25 @@ class Picks:
         """What the picks come to at tasks that were searched."""
         if not tasks:
             return []
-        making = self._making
-        costs = gait_costs(making.scalars(tasks), making.scenario.robot.leg_names)
+        making, costs = self._making, self._searched(tasks)
         picks = dict(zip(tasks, self._of(tasks), strict=True))
         names = [making.gaits[pick] if pick >= 0 else "" for pick in picks.values()]
         return judge_picks(list(tasks), names, costs, lambda task: self._costs([task], [picks[task]])[0])
 
-    def have_motions(self, tasks: Sequence[Task]) -> list[bool]:
-        """Whether each pick has a motion, at tasks that were not searched."""
-        return [cost is not None for cost in self._costs(tasks, self._of(tasks))]
+    def judge_plans(self, tasks: Sequence[Task]) -> list[Verdict]:
+        """What plans come to at tasks that were searched."""
+        if not tasks:
+            return []
+        making = self._making
+        plans = [
+            ("", None) if plan is None else (making.gaits[plan.gait], plan.cost)
+            for plan in Planning(making).plans(tasks)
+        ]
+        return judge_plans(tasks, plans, self._searched(tasks))
+
+    def have_plans(self, tasks: Sequence[Task]) -> list[bool]:
+        """Whether there is a plan, at tasks that were not searched."""
+        return [plan is not None for plan in Planning(self._making).plans(tasks)]
 
     def suspects(self, tasks: Sequence[Task]) -> list[Suspect]:
         """Of tasks that were not searched those whose pick may be wrong."""
@@ -63,7 +74,7 @@ class Picks:
         for task, pick, cost in zip(tasks, picks, self._costs(tasks, picks), strict=True):
             costs, support = atlas.costs(np.array(task.on(atlas.axes)))
             cheaper = costs * making.problem.cost_scale * (1 + DEARER) < (np.inf if cost is None else cost)
-            rivals = {atlas.sheets[sheet].gait for sheet in np.flatnonzero(cheaper & (support >= HALF_BELIEVED))}
+            rivals = {atlas.sheets[sheet].gait for sheet in np.flatnonzero(cheaper & (support >= TRIED))}
             missing = {atlas.sheets[sheet].gait for sheet in np.flatnonzero(cheaper & (support >= SUPPORT))} - picked
             if cost is None or rivals - {pick}:
                 found.append(Suspect(task, frozenset((rivals & picked) | {pick}), cost is None, bool(missing)))
@@ -76,6 +87,9 @@ class Picks:
         with making.inside():
             find_borders(making.growth, [(sheet, place) for gait, place in gaits for sheet in making.sheets_of(gait)])
             making.growth.spread()
+
+    def _searched(self, tasks: Sequence[Task]) -> pd.DataFrame:
+        return gait_costs(self._making.scalars(tasks), self._making.scenario.robot.leg_names)
 
     def _of(self, tasks: Sequence[Task]) -> list[int]:
         """The number of the gait that the map picks at each task, -1 where its atlas knows none."""

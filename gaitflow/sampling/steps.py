@@ -23,7 +23,7 @@ QUIET = 0.1  # of a round's picks that may be wrong for a certificate to be trie
 # Or the searches since the last certificate, over those that one takes. Doubt looks where picks are most likely to be
 # wrong, so with small rounds it may find one in each, for a map with two wrong of 358 random picks.
 ENOUGH = 0.5
-SPARE = 2  # picks without a motion that a certificate allows for: picks are planned in a hundredth of a search
+SPARE = 2  # tasks without a plan that a certificate allows for: planning takes a hundredth of a search
 MORE_SEEDS = 1000  # apart: seeds of the parts of a sampling, so that none repeats another's numbers
 
 
@@ -45,7 +45,8 @@ class Steps:
         self._known = 0  # tasks of the dataset that the sampling began from
         self._drawn: list[Task] = []  # of the certificate that is being tried
         self._look = 0  # at it, the next one
-        self._verdicts: list[Verdict] = []
+        self._verdicts: list[Verdict] = []  # of its picks, and of its plans
+        self._plans: list[Verdict] = []
         self.certificate: Certificate | None = None
         self.missed = 0
         self.curve: list[dict[str, Any]] = []
@@ -70,7 +71,7 @@ class Steps:
             self._prepare()
         if kind == "doubt" and self._drawn:  # the map was not good enough: the certificate's tasks help to make it
             self._making.take(self._drawn, self._verdicts)
-            self._drawn, self._verdicts, self._since, self._look = [], [], 0, 0
+            self._drawn, self._verdicts, self._plans, self._since, self._look = [], [], [], 0, 0
         if kind == "certificate":
             self._certificates += 1
 
@@ -107,8 +108,9 @@ class Steps:
             return one
         self._drawn += one.tasks
         self._verdicts += verdicts
+        self._plans += self._picks.judge_plans(inside)
         self._asked, self._look = self._asked + 1, self._look + 1
-        self.certificate = certify(self._verdicts, self._further(), self._asked, self._seed)
+        self.certificate = certify(self._plans, self._verdicts, self._further(), self._asked, self._seed)
         self._tell_curve(one, self.certificate.dearer)
         return replace(one, certificate=self.certificate.as_data())
 
@@ -166,13 +168,13 @@ class Steps:
         return draw_tasks(making.domain, making.scenario.tasks.space, number, seed, "sampled", skip=len(self._drawn))
 
     def _further(self) -> list[bool]:
-        """Whether picks have a motion at further fresh tasks: as many as the bound on infeasible picks needs."""
+        """Whether there are plans at further fresh tasks: as many as the bound on tasks without one needs."""
         needed = tasks_needed(SPARE, self._sampling.infeasible, chances_of(self._asked)[1])
-        number = max(needed - len(self._verdicts), 0)
+        number = max(needed - len(self._plans), 0)
         seed = (self._seed + 1) * MORE_SEEDS**3 + self._known + self._asked
         making = self._making
-        making.tell(f"{number} further picks planned")
-        return self._picks.have_motions(draw_tasks(making.domain, making.scenario.tasks.space, number, seed, "sampled"))
+        making.tell(f"{number} further tasks planned")
+        return self._picks.have_plans(draw_tasks(making.domain, making.scenario.tasks.space, number, seed, "sampled"))
 
     def _tell_curve(self, one: Round, wrong: int) -> None:
         making, found = self._making, self.certificate if one.of_certificate else None

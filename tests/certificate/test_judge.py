@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from gaitflow.certificate.certificate import certify
-from gaitflow.certificate.judge import Verdict, judge_picks
+from gaitflow.certificate.judge import Verdict, judge_picks, judge_plans
 from gaitflow.core.task import Task
 
 
@@ -59,16 +59,29 @@ def test_where_the_search_found_nothing_a_motion_of_the_pick_is_right() -> None:
     assert none.infeasible
 
 
-def test_a_certificate_counts_searched_and_planned_picks() -> None:
+def test_a_plan_is_judged_by_its_own_cost() -> None:
+    known = costs([(0.1, "a", 1.0, 0.0), (0.1, "b", 1.2, 0.2)])
+    plans = [("a", 1.005), ("a", 1.02), ("b", 1.001), ("b", 0.9), ("", None)]
+    verdicts = judge_plans([at(0.1)] * len(plans), plans, known)
+    assert [one.excess for one in verdicts] == pytest.approx([0.005, 0.02, 0.001, -0.1, math.inf])
+    assert [one.dearer for one in verdicts] == [False, True, False, False, True]
+    assert {one.best for one in verdicts} == {"a"}
+    [found] = judge_plans([at(0.1)], [("a", 3.0)], costs([]))
+    assert found.best == "" and not found.dearer, "where the search found nothing, a plan is right"
+
+
+def test_a_certificate_counts_searched_and_planned_tasks() -> None:
     verdicts = [Verdict(at(0.1), "a", "a", 0.0)] * 97 + [
         Verdict(at(0.2), "a", "b", 0.3),
         Verdict(at(0.3), "a", "b", -0.2),
         Verdict(at(0.4), "a", "b", math.inf),
     ]
-    found = certify(verdicts, [True] * 899 + [False], asking=1, seed=4)
+    selections = [*verdicts[:50], *[Verdict(at(0.2), "a", "b", 0.3)] * 50]
+    found = certify(verdicts, selections, [True] * 899 + [False], asking=1, seed=4)
     assert (found.searched, found.dearer, found.planned, found.infeasible) == (100, 2, 1000, 2)
     assert (found.cheaper, found.worst_excess) == (1, 0.3)
     assert 0.02 < found.dearer_bound < 0.1 and 0.002 < found.infeasible_bound < 0.01
-    later = certify(verdicts, [True] * 900, asking=2, seed=4)
+    assert found.selected_dearer == 50 and found.selected_bound is not None and 0.5 < found.selected_bound < 0.65
+    later = certify(verdicts, selections, [True] * 900, asking=2, seed=4)
     assert later.dearer_bound > found.dearer_bound, "each further asking has less of the chance of error"
     assert "2 of 100 searched" in str(found)

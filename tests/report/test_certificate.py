@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from gaitflow.certificate.certificate import Certificate
@@ -32,8 +34,16 @@ def test_the_statement_says_what_was_asked_and_how_sure_it_is() -> None:
     assert statement.startswith("With 95% confidence at most 1.99 % of the domain's tasks get a pick")
     assert "more than 1 % dearer" in statement and "at most 0.49 % one without a motion" in statement
     assert "300 random tasks" in statement and "2 picks were dearer" in statement and "by 3.1 %" in statement
-    assert "4 cheaper" in statement and "1200 picks were planned: 1 had no motion" in statement
+    assert "4 cheaper" in statement and "1200 were planned: at 1 no motion was found" in statement
     assert "certificates were tried 3 times" in statement
+
+
+def test_a_certificate_of_plans_tells_of_selections_too() -> None:
+    found = replace(GOOD, selected_dearer=9, selected_bound=0.06)
+    _, statement, of_selections = certificate_in_words(SamplingRecord(found.as_data(), ROUNDS), Sampling())
+    assert "get a plan that is more than 1 % dearer" in statement and "at most 0.49 % none" in statement
+    assert "2 plans were dearer" in statement
+    assert "At 9 of the searched tasks" in of_selections and "at most at 6 % of the domain's tasks" in of_selections
 
 
 @pytest.mark.parametrize(
@@ -64,7 +74,7 @@ def test_the_report_of_a_map_that_chose_its_tasks(
     html = (tmp_path / PAGE).read_text(encoding="utf-8")
     assert "<h2>Certificate</h2>" in html and "<td>where the map was unsure</td>" in html
     assert "<b>300</b><span>searched tasks</span>" in html and "<b>60</b><span>held-out tasks</span>" in html
-    assert "<b>1.99 %</b><span>picks too dear, at most</span>" in html
+    assert "<b>1.99 %</b><span>answers too dear, at most</span>" in html
     assert "<th>searched tasks</th><th>held-out tasks</th>" in html
     assert "9 of 20 slices of the map are drawn" in html and "Each task is drawn in the slice nearest to it." in html
     assert "chosen by the map, anywhere with speed from 0.1 to 2.3 m/s, lateral speed from -0.4 to 0.4 m/s" in html

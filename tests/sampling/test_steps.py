@@ -41,13 +41,15 @@ class Making:
     def judge(self, tasks: Sequence[Task]) -> list[Verdict]:
         return [Verdict(task, "trot", "trot", 0.1 * (number < self.wrong)) for number, task in enumerate(tasks)]
 
+    judge_plans = judge
+
     def take(self, tasks: Sequence[Task], verdicts: Sequence[Verdict]) -> None:
         self.tasks += tasks
 
     def fill(self) -> None:
         self.filled += 1
 
-    def have_motions(self, tasks: Sequence[Task]) -> list[bool]:
+    def have_plans(self, tasks: Sequence[Task]) -> list[bool]:
         return [True] * len(tasks)
 
     def settle(self) -> int:

@@ -117,11 +117,12 @@ class AtlasView {
     return found;
   }
 
-  // What a sheet may cost at a place at the least; infinite where the cost is not believed. A prediction is as good as
-  // its nodes agree: by `doubt` times the standard deviation of what each promises by its whole tangent.
+  // What a sheet may cost at a place at the least; infinite below half of the support of a cost that is believed. A
+  // prediction is as good as its nodes agree: by `doubt` times the standard deviation of what each promises by its whole
+  // tangent.
   double least_cost(const Sheet& sheet, const Vector& place) const {
     const SheetCost predicted = cost(sheet, place);
-    if (!(predicted.support >= atlas_.support)) return std::numeric_limits<double>::infinity();
+    if (!(predicted.support >= atlas_.support / 2)) return std::numeric_limits<double>::infinity();
     const Vector asked = in_steps(place);
     double total = 0, mean = 0, squares = 0;
     const std::vector<Near> near = weighed(sheet, asked, total);

@@ -1,0 +1,122 @@
+"""What a map in the making plans: the motions of `gaitflow.runtime.plan`, for many tasks side by side.
+
+A plan's solves follow from each other, so each task has a generator that asks for the next one. All that are asked for
+at once are solved together, in several processes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from gaitflow.atlas.node import Place, Request
+from gaitflow.core.task import Task
+from gaitflow.core.trajectory import Array
+from gaitflow.runtime.atlas import Atlas, Prediction
+from gaitflow.runtime.plan import LEAST_SAVING, TOP
+from gaitflow.runtime.refine import LIMIT
+from gaitflow.sampling.making import MapInMaking
+from gaitflow.search.attempts import best_of, until_feasible
+from gaitflow.solvers.fixed_gait import FixedGaitSolver
+
+NODES = 2  # nearest nodes of a pattern from which a gait is solved where its prediction leads nowhere
+
+Solves = Generator[Request, float | None, "Planned | None"]  # asks for solves, hears their costs, ends with the plan
+
+
+@dataclass(frozen=True)
+class Planned:
+    """The gait of a plan, by its number in the map in the making, and the plan's cost, unscaled."""
+
+    gait: int
+    cost: float
+
+
+class Planning:
+    """Plans of a map in the making as it is now, from the atlas that would be published."""
+
+    def __init__(self, making: MapInMaking) -> None:
+        self._making = making
+        self._gaits = sorted(making.picked)
+        self._atlas = making.built().of(self._gaits)
+        patterns = [pattern.text for pattern in making.growth.solver.patterns]
+        self._sheets = [patterns.index(sheet.pattern) for sheet in self._atlas.sheets]
+        self._solver = FixedGaitSolver(making.problem, making.scenario.strategy.solve_time_limit)
+
+    def plans(self, tasks: Sequence[Task]) -> list[Planned | None]:
+        """The plan at each task, None where no gait has a motion."""
+        solver, places = self._making.growth.solver, [task.on(self._atlas.axes) for task in tasks]
+        asked = [solves(self._atlas, place, self._sheets) for place in places]
+        found = together(asked, lambda requests: solver.costs_at(requests, LIMIT))
+        scale = self._making.problem.cost_scale
+        return [
+            self._from_other_starts(task) if plan is None else Planned(self._gaits[plan.gait], plan.cost * scale)
+            for task, plan in zip(tasks, found, strict=True)
+        ]
+
+    def _from_other_starts(self, task: Task) -> Planned | None:
+        """The first gait that has a motion from other starts than the map's, as a plan's last resort."""
+        place, patterns = np.array(task.on(self._atlas.axes)), self._making.growth.solver.patterns
+        for sheet in self._atlas.ranked(place)[:TOP]:
+            pattern, restarts = patterns[self._sheets[sheet]], self._making.scenario.strategy.restarts
+            best = best_of(until_feasible(self._solver, pattern, task, None, restarts))
+            if best is not None:
+                return Planned(self._gaits[self._atlas.sheets[sheet].gait], best.cost)
+        return None
+
+
+def solves(atlas: Atlas, place: Place, patterns: Sequence[int]) -> Solves:
+    """The solves of a plan at a place: `refine_ranked` without its last resort. Costs are the problem's.
+
+    `patterns` are the numbers by which the atlas' sheets are solved.
+    """
+    asked = np.array(place)
+    candidates = _of_first_gaits(atlas, atlas.by_cost(asked))
+    for number, sheet in enumerate(candidates):
+        cost = None
+        for start in _starts(atlas, sheet, asked):
+            cost = yield patterns[sheet], place, start
+            if cost is not None:
+                break
+        if cost is None:
+            continue
+        best, least = Planned(atlas.sheets[sheet].gait, cost), atlas.least_costs(asked)
+        for rival in candidates[number + 1 :]:
+            if least[rival] < best.cost * (1 - LEAST_SAVING):
+                cost = yield patterns[rival], place, next(_starts(atlas, rival, asked))
+                if cost is not None and cost < best.cost * (1 - LEAST_SAVING):
+                    best = Planned(atlas.sheets[rival].gait, cost)
+        return best
+    return None
+
+
+def _of_first_gaits(atlas: Atlas, sheets: Sequence[int]) -> list[int]:
+    first = list(dict.fromkeys(atlas.sheets[sheet].gait for sheet in sheets))[:TOP]
+    return [sheet for sheet in sheets if atlas.sheets[sheet].gait in first]
+
+
+def _starts(atlas: Atlas, sheet: int, asked: Array) -> Generator[Prediction, None, None]:
+    predicted = atlas.predict(sheet, asked)
+    if predicted is not None:
+        yield predicted
+    yield from atlas.nearest(sheet, asked, NODES)
+
+
+def together(
+    asked: Iterable[Solves], solve: Callable[[Sequence[Request]], Sequence[float | None]]
+) -> list[Planned | None]:
+    """What generators end with; `solve` is given the requests of all that go on."""
+    going = list(asked)
+    found: list[Planned | None] = [None] * len(going)
+    answers: dict[int, float | None] = dict.fromkeys(range(len(going)))
+    while answers:
+        requests: dict[int, Request] = {}
+        for number, answer in answers.items():
+            try:
+                requests[number] = going[number].send(answer)
+            except StopIteration as end:
+                found[number] = end.value
+        answers = dict(zip(requests, solve(list(requests.values())), strict=True)) if requests else {}
+    return found

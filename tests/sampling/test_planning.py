@@ -1,0 +1,86 @@
+"""A map in the making plans as the published one will, with the solves of many tasks side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pytest
+
+from gaitflow.atlas.node import Request
+from gaitflow.runtime.atlas import Atlas
+from gaitflow.sampling.planning import NODES, Planned, solves, together
+from tests.helpers.sheets import sheet
+
+STEPS = np.array([1.0, 1.0])
+GRID = np.array([[float(x), float(y)] for x in range(4) for y in range(4)])
+AMID, BEYOND = (1.5, 1.5), (3.6, 1.5)
+
+
+def sheet_of(gait: int, cost: float, places: np.ndarray = GRID) -> object:
+    made = sheet(places, np.full(len(places), cost), np.zeros_like(places))
+    return made.__class__(**{**vars(made), "gait": gait})
+
+
+def atlas(*sheets: object) -> Atlas:
+    return Atlas(("speed", "cycle_duration"), STEPS, 1e-4, tuple(sheets))  # type: ignore[arg-type]
+
+
+class Solver:
+    """Costs of patterns by their numbers; a pattern without one has no motion."""
+
+    def __init__(self, costs: Mapping[int, float]) -> None:
+        self.costs, self.batches = costs, list[list[int]]()
+
+    def __call__(self, requests: Sequence[Request]) -> list[float | None]:
+        self.batches.append([pattern for pattern, _, _ in requests])
+        return [self.costs.get(pattern) for pattern, _, _ in requests]
+
+
+def planned(made: Atlas, place: tuple[float, float], costs: Mapping[int, float]) -> tuple[Planned | None, list[int]]:
+    """The plan, and the patterns that were solved in their order."""
+    solver = Solver(costs)
+    [plan] = together([solves(made, place, range(len(made.sheets)))], solver)
+    return plan, [pattern for batch in solver.batches for pattern in batch]
+
+
+def test_the_cheapest_gait_is_solved_alone_where_it_costs_what_is_predicted() -> None:
+    made = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2))
+    assert planned(made, AMID, {0: 1.0, 1: 1.2}) == (Planned(0, 1.0), [0])
+
+
+def test_what_may_cost_less_than_was_found_is_solved_too() -> None:
+    made = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2), sheet_of(2, 1.6))
+    assert planned(made, AMID, {0: 1.5, 1: 1.2, 2: 1.6}) == (Planned(1, 1.2), [0, 1])
+    assert planned(made, AMID, {0: 1.5, 1: 1.5, 2: 1.6}) == (Planned(0, 1.5), [0, 1]), "of equal ones the first"
+
+
+def test_a_half_believed_rival_is_solved_too() -> None:
+    near = GRID[GRID[:, 0] <= 1]
+    made, place = atlas(sheet_of(0, 1.0), sheet_of(1, 0.5, near)), (1.9, 1.5)
+    assert made.by_cost(np.array(place)) == [0, 1], "it comes last"
+    assert planned(made, place, {0: 1.0, 1: 0.5}) == (Planned(1, 0.5), [0, 1])
+
+
+def test_a_gait_without_a_motion_is_tried_from_its_nodes_and_left_for_the_next() -> None:
+    made = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2))
+    assert planned(made, AMID, {1: 1.2}) == (Planned(1, 1.2), [0] * (1 + NODES) + [1])
+    assert planned(made, AMID, {}) == (None, [0] * (1 + NODES) + [1] * (1 + NODES))
+
+
+def test_where_no_gait_is_known_nothing_is_solved() -> None:
+    assert planned(atlas(sheet_of(0, 1.0)), (9.0, 9.0), {0: 1.0}) == (None, [])
+
+
+def test_tasks_are_solved_side_by_side() -> None:
+    made, solver = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2)), Solver({1: 1.2})
+    plans = together([solves(made, place, [0, 1]) for place in (AMID, (9.0, 9.0), (0.5, 0.5))], solver)
+    assert plans == [Planned(1, 1.2), None, Planned(1, 1.2)]
+    assert solver.batches == [[0, 0]] * (1 + NODES) + [[1, 1]]
+
+
+@pytest.mark.parametrize("number", [0, 3])
+def test_as_many_plans_as_tasks(number: int) -> None:
+    made = atlas(sheet_of(0, 1.0))
+    assert together([solves(made, AMID, [0])] * 0, Solver({})) == []
+    assert len(together([solves(made, AMID, [0]) for _ in range(number)], Solver({0: 1.0}))) == number
