@@ -1,13 +1,14 @@
 """From grown nodes to the atlas that is published: points and tangents along the modes that matter most.
 
-Every pattern has modes of its own. Those that explain most of all nodes are kept, over all patterns at once, until the
-atlas has the size that it may have.
+Points of the central path are condensed first, which leaves half of their numbers. Every pattern has modes of its own.
+Those that explain most of all nodes are kept, over all patterns at once, until the atlas has the size that it may have.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,9 @@ from gaitflow.atlas.grow import Growth
 from gaitflow.atlas.node import BARRIER
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, Sheet
+from gaitflow.runtime.atlas_file import ROUNDED_ALONG
+from gaitflow.runtime.condensed import Condenser
+from gaitflow.runtime.fixed_point import rounded
 from gaitflow.runtime.nearby import REACH
 
 LARGEST = {2: 2_700_000, 3: 6_500_000}  # bytes of an atlas of two axes, in the plane and in space
@@ -25,7 +29,8 @@ MOST_BYTES = 18_000_000  # up to here, whatever the axes
 MOST_MODES = 128  # of a pattern
 MANY_ROWS = 1000  # of nodes and tangents; an exact decomposition of more takes minutes in space
 PASSES = 3  # over all rows, until their leading directions are found
-NAMES = 2000  # bytes of the names and shapes of a pattern's arrays
+OF_NUMBER = 2  # bytes, in fixed point
+NAMES = 2600  # bytes of the names and shapes of a pattern's arrays
 # What an error of a prediction counts: Newton's method finds the multipliers of rows by itself in its first step, and a
 # bound's multiplier, whose logarithm is predicted, may be off by half, but a variable should not cross its bound.
 OF_VARIABLES, OF_ROWS, OF_BOUNDS = 100.0, 0.1, 1.0
@@ -82,7 +87,7 @@ def cost_atlas(growth: Growth, gaits: Sequence[int]) -> Atlas:
 
 @dataclass(frozen=True)
 class _Analysed:
-    """A pattern's nodes in weighted numbers: points [n, ny], tangents [n, a, ny], and all their modes [m, ny].
+    """A pattern's nodes in condensed, weighted numbers: points [n, c], tangents [n, a, c], all their modes [m, c].
 
     sizes [m]: what each mode explains of the squares of all nodes, largest first. beyond [i, a]: where the pattern
     has no motion. kept: how many numbers impose the pattern and say where that is.
@@ -101,23 +106,26 @@ class _Analysed:
 
     @property
     def mode_bytes(self) -> int:
-        """What one more mode takes: its own numbers, and a coordinate and tangents for every node."""
-        return 4 * (len(self.weights) + len(self.places) + self.places.size)
+        """What one more mode takes: its own numbers, a coordinate and tangents of every node, and their exponents."""
+        return OF_NUMBER * (len(self.weights) + len(self.places) + self.places.size + self.places.shape[1] + 1)
 
     @property
     def other_bytes(self) -> int:
-        """What is there without any mode: what is kept, mean, for every node its place, cost and slopes; and names."""
-        return 8 * self.kept + 4 * len(self.weights) + 8 * (2 * self.places.size + len(self.places)) + NAMES
+        """What is there without any mode: what is kept, mean and exponents, each node's place, cost and slopes; names."""
+        return (
+            8 * self.kept + (4 + OF_NUMBER) * len(self.weights) + 8 * (2 * self.places.size + len(self.places)) + NAMES
+        )
 
 
 def _analysed(growth: Growth, number: int) -> _Analysed:
     nodes = [growth.nodes[number][place] for place in sorted(growth.nodes[number])]
     space = growth.solver.methods[number].space
-    weights = np.repeat([OF_VARIABLES, OF_ROWS, OF_BOUNDS], [len(space.free), space.rows, space.bounds])
+    condenser = Condenser(space, BARRIER)
     places = np.array([node.place for node in nodes])
     pairs = _pairs(places / growth.steps)
-    points = np.array([node.point for node in nodes]) * weights
-    tangents = np.array([node.tangents for node in nodes]) * weights
+    weights = np.repeat([OF_VARIABLES, OF_ROWS, OF_BOUNDS], condenser.kinds)
+    points = np.array([condenser.condensed(node.point) for node in nodes]) * weights
+    tangents = np.array([condenser.condensed(node.tangents) for node in nodes]) * weights
     points, tangents = _without_strays(pairs, points, tangents)
     mean = points.mean(axis=0)
     points -= mean
@@ -168,7 +176,10 @@ def _mode_counts(sheets: Sequence[_Analysed], largest: int) -> list[int]:
 def _sheet(growth: Growth, number: int, gait: int, sheet: _Analysed, modes: int) -> Sheet:
     nodes = [growth.nodes[number][place] for place in sorted(growth.nodes[number])]
     vectors = sheet.modes[:modes]
-    coordinates, tangents = sheet.points @ vectors.T, sheet.tangents @ vectors.T
+    coordinates, tangents = (
+        rounded(numbers @ vectors.T, ROUNDED_ALONG[name])
+        for name, numbers in (("coordinates", sheet.points), ("tangents", sheet.tangents))
+    )
     return Sheet(
         gait=gait,
         pattern=growth.solver.patterns[number].text,
@@ -177,9 +188,9 @@ def _sheet(growth: Growth, number: int, gait: int, sheet: _Analysed, modes: int)
         costs=np.array([node.cost for node in nodes]),
         slopes=np.array([node.slopes for node in nodes]),
         mean=(sheet.mean / sheet.weights).astype(np.float32),
-        modes=(vectors / sheet.weights).astype(np.float32),
-        coordinates=coordinates.astype(np.float32),
-        tangents=tangents.astype(np.float32),
+        modes=rounded(vectors / sheet.weights, ROUNDED_ALONG["modes"]),
+        coordinates=coordinates,
+        tangents=tangents,
         tear=_tear(sheet.pairs, sheet.places, coordinates, tangents),
         infeasible=sheet.beyond,
     )
@@ -204,7 +215,7 @@ def _beyond(growth: Growth, number: int) -> Array:
     return beyond
 
 
-def _tear(pairs: NDArray[np.intp], places: Array, coordinates: Array, tangents: Array) -> float:
+def _tear(pairs: NDArray[np.intp], places: Array, coordinates: NDArray[Any], tangents: NDArray[Any]) -> float:
     """Several times the usual distance of what two neighbours predict half-way: what differs more is another motion."""
     if not len(pairs):
         return 0.0

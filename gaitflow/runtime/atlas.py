@@ -36,6 +36,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gaitflow.core.trajectory import Array
+from gaitflow.runtime.condensed import Condenser
 from gaitflow.runtime.nearby import REACH, EveryNode, EveryPlace, Near, weights_of
 from gaitflow.solvers.point import GaitSpace
 
@@ -47,13 +48,14 @@ LARGEST_LOG = 200.0  # of a cost, so that it and its products with stored number
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """One pattern, "0110/1100", of the map's gait number `gait`: n nodes, k modes of ny numbers, on a axes.
+    """One pattern, "0110/1100", of the map's gait number `gait`: n nodes, k modes of c numbers, on a axes.
 
     space: the bounds that impose the pattern. tasks [n, a]: places of the nodes, in the atlas' axes and their units.
     costs [n]: the problem's (scaled) cost at the optimum; slopes [n, a]: derivatives of its logarithm. A node's point,
-    in the space's code, is mean [ny] + coordinates [n, k] @ modes [k, ny]; tangents [n, a, k]: derivatives of its
-    coordinates. Nodes whose coordinates, moved to one place along their tangents, differ by more than `tear` belong to
-    different motions and are not blended. infeasible [m, a]: places where the pattern was tried and has no motion.
+    condensed (`gaitflow.runtime.condensed`; in older maps encoded, of more numbers), is mean [c] + coordinates [n, k] @
+    modes [k, c]; tangents [n, a, k]: derivatives of its coordinates. Nodes whose coordinates, moved to one place along
+    their tangents, differ by more than `tear` belong to different motions and are not blended. infeasible [m, a]:
+    places where the pattern was tried and has no motion.
     """
 
     gait: int
@@ -189,10 +191,11 @@ class Atlas:
             squares = np.bincount(near.owner, near.weights * (near.promises - mean[near.owner]) ** 2, count)
             return np.where(support < TRIED, np.inf, costs * np.exp(-DOUBT * np.sqrt(squares / total)))
 
-    @staticmethod
-    def _prediction(sheet: Sheet, log: float, coordinates: Array) -> Prediction:
+    def _prediction(self, sheet: Sheet, log: float, coordinates: Array) -> Prediction:
         cost = float(np.exp(np.clip(log, -LARGEST_LOG, LARGEST_LOG)))
-        return Prediction(cost, sheet.mean + coordinates @ sheet.modes)
+        numbers = sheet.mean + coordinates @ sheet.modes
+        is_encoded = len(numbers) == sheet.space.size
+        return Prediction(cost, numbers if is_encoded else Condenser(sheet.space, self.barrier).expanded(numbers))
 
     @cached_property
     def _nodes(self) -> list[_Nodes]:

@@ -2,13 +2,15 @@
 
 Tensors: `axes` (names in ASCII, joined by commas, uint8), `steps` [a] and `barrier` [1] (float64), `sheets` [1]
 (int32), and for every sheet "<number>.<name>": gait [1] (int32), pattern [legs, phases] (uint8), lower, upper [nw],
-lower_rows, upper_rows [ng] (float64), and the fields of `Sheet` by their names; mean, modes, coordinates and tangents
-are float32, the others float64. A sheet without infeasible places has no tensor of them, as in older maps.
+lower_rows, upper_rows [ng] (float64), and the fields of `Sheet` by their names. Of these mean is float32, most others
+float64. modes, coordinates and tangents are int16 in fixed point (`gaitflow.runtime.fixed_point`) with exponents, int16
+as well, in "<number>.<name>_exponents" [1, c], [1, k] and [1, a, k]; in older maps float32 without. A sheet without
+infeasible places has no tensor of them, as in older maps.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -19,6 +21,9 @@ from gaitflow.core.layout import Layout
 from gaitflow.core.task import AXES
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, Sheet
+from gaitflow.runtime.condensed import Condenser
+from gaitflow.runtime.fixed_point import fixed_point, single
+from gaitflow.runtime.strict import LARGEST
 from gaitflow.runtime.tensor_file import TensorFile
 from gaitflow.solvers.point import GaitSpace
 
@@ -26,6 +31,8 @@ MAX_MODES = 512
 MAX_SHEETS = 4096
 MAX_NODES = 1_000_000  # of all sheets
 _NUMBERS = ("tasks", "costs", "slopes", "mean", "modes", "coordinates", "tangents")
+ROUNDED_ALONG = {"modes": 0, "coordinates": 0, "tangents": 0}  # the axis whose numbers share an exponent
+EXPONENTS = "_exponents"
 BOUNDS = ("lower", "upper", "lower_rows", "upper_rows")
 INFEASIBLE = "infeasible"
 _NAMES = ("gait", "pattern", *BOUNDS, *_NUMBERS, "tear")
@@ -41,6 +48,7 @@ def atlas_bytes(atlas: Atlas) -> bytes:
     }
     for number, sheet in enumerate(atlas.sheets):
         own = {name: getattr(sheet, name) for name in _NUMBERS}
+        own |= _in_fixed_point({name: own[name] for name in ROUNDED_ALONG})
         own |= {name: getattr(sheet.space, name) for name in BOUNDS}
         own |= {
             "gait": np.array([sheet.gait], dtype=np.int32),
@@ -50,6 +58,17 @@ def atlas_bytes(atlas: Atlas) -> bytes:
         own |= {INFEASIBLE: sheet.infeasible} if len(sheet.infeasible) else {}
         tensors |= {f"{number}.{name}": np.ascontiguousarray(value) for name, value in own.items()}
     return save(tensors)
+
+
+def _in_fixed_point(arrays: Mapping[str, NDArray[np.float32]]) -> dict[str, NDArray[Any]]:
+    """The arrays with their exponents; as they are where that would change any of them, as of older maps."""
+    tensors: dict[str, NDArray[Any]] = {}
+    for name, numbers in arrays.items():
+        whole, exponents = fixed_point(numbers, ROUNDED_ALONG[name])
+        if not np.array_equal(single(whole, exponents), numbers):
+            return dict(arrays)
+        tensors |= {name: whole, name + EXPONENTS: exponents}
+    return tensors
 
 
 def parse_atlas(content: bytes, axes: Sequence[str], gaits: int, layout: Layout, rows: int, where: str) -> Atlas:
@@ -63,8 +82,9 @@ def parse_atlas(content: bytes, axes: Sequence[str], gaits: int, layout: Layout,
     if not 0 <= count <= MAX_SHEETS:
         file.refuse("sheets", f"= {count}: must be 0 to {MAX_SHEETS}")
     optional = {f"{number}.{INFEASIBLE}" for number in range(count)} & set(file.tensors)
+    exponents = {f"{number}.{name}{EXPONENTS}" for number in range(count) for name in ROUNDED_ALONG}
     required = {f"{number}.{name}" for number in range(count) for name in _NAMES}
-    file.expect({"axes", "steps", "barrier", "sheets"} | required | optional)
+    file.expect({"axes", "steps", "barrier", "sheets"} | required | optional | exponents & set(file.tensors))
     found = file.names("axes")
     if found != tuple(axes):
         file.refuse("axes", f"are {', '.join(found)}; the map's are {', '.join(axes)}")
@@ -77,7 +97,7 @@ def parse_atlas(content: bytes, axes: Sequence[str], gaits: int, layout: Layout,
     for name, places in (("nodes", [f"{number}.tasks" for number in range(count)]), ("infeasible places", optional)):
         if (found_places := sum(map(file.length, places))) > MAX_NODES:
             file.refuse("the atlas", f"has {found_places} {name}: more than {MAX_NODES}")
-    sheets = tuple(_sheet(file, number, found, gaits, layout, rows) for number in range(count))
+    sheets = tuple(_sheet(file, number, found, barrier, gaits, layout, rows) for number in range(count))
     return Atlas(found, steps, barrier, sheets)
 
 
@@ -114,7 +134,9 @@ def parse_gait(file: TensorFile, prefix: str, gaits: int) -> int:
     return gait
 
 
-def _sheet(file: TensorFile, number: int, axes: tuple[str, ...], gaits: int, layout: Layout, rows: int) -> Sheet:
+def _sheet(
+    file: TensorFile, number: int, axes: tuple[str, ...], barrier: float, gaits: int, layout: Layout, rows: int
+) -> Sheet:
     own, name = str(number), f"sheet {number}"
     gait, pattern = parse_gait(file, own, gaits), parse_pattern(file, own, layout)
     space = parse_space(file, own, layout, rows)
@@ -127,6 +149,9 @@ def _sheet(file: TensorFile, number: int, axes: tuple[str, ...], gaits: int, lay
     tear = float(file.array(f"{own}.tear", (1,), np.float64)[0])
     if (costs <= 0).any() or tear < 0:
         file.refuse(name, "holds a cost that is not positive, or a negative tear")
+    size = file.length(f"{own}.mean")
+    if size not in (space.size, Condenser(space, barrier).size):
+        file.refuse(name, f"has points of {size} numbers; its pattern takes {space.size}, or half of them")
     return Sheet(
         gait=gait,
         pattern=pattern,
@@ -134,13 +159,27 @@ def _sheet(file: TensorFile, number: int, axes: tuple[str, ...], gaits: int, lay
         tasks=tasks,
         costs=costs,
         slopes=file.array(f"{own}.slopes", (nodes, a), np.float64),
-        mean=file.array(f"{own}.mean", (space.size,), np.float32),
-        modes=file.array(f"{own}.modes", (modes, space.size), np.float32),
-        coordinates=file.array(f"{own}.coordinates", (nodes, modes), np.float32),
-        tangents=file.array(f"{own}.tangents", (nodes, a, modes), np.float32),
+        mean=file.array(f"{own}.mean", (size,), np.float32),
+        modes=_single(file, own, "modes", (modes, size)),
+        coordinates=_single(file, own, "coordinates", (nodes, modes)),
+        tangents=_single(file, own, "tangents", (nodes, a, modes)),
         tear=tear,
         infeasible=_tasks(file, without, axes, name) if without in file.tensors else np.zeros((0, a)),
     )
+
+
+def _single(file: TensorFile, own: str, name: str, shape: tuple[int, ...]) -> NDArray[np.float32]:
+    """Numbers that are in fixed point, or as they are in older maps."""
+    tensor, exponents = f"{own}.{name}", f"{own}.{name}{EXPONENTS}"
+    if exponents not in file.tensors:
+        return file.array(tensor, shape, np.float32)
+    along = ROUNDED_ALONG[name]
+    powers = file.array(exponents, (*shape[:along], 1, *shape[along + 1 :]), np.int16)
+    numbers = single(file.array(tensor, shape, np.int16), powers)
+    if not (np.abs(numbers) <= LARGEST).all():
+        file.refuse(exponents, f"leads beyond {LARGEST:g}")
+    numbers.flags.writeable = False
+    return numbers
 
 
 def _tasks(file: TensorFile, tensor: str, axes: tuple[str, ...], name: str) -> Array:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -132,7 +134,8 @@ class MapInMaking:
             self.tell(f"test {done} of {most}")
 
         with self.inside():
-            fill(self.growth, self.built, self.scenario.learning.tie_tolerance, on_test=on_test)
+            # With all modes, as no node brings back what a file has no room for.
+            fill(self.growth, partial(self.built, sys.maxsize), self.scenario.learning.tie_tolerance, on_test=on_test)
 
     def settle(self) -> int:
         """Nodes where the pick is not the search's; at how many known tasks it still is another one."""
@@ -153,9 +156,9 @@ class MapInMaking:
         """The same of the gaits that the map would choose from: those that are a label."""
         return self.costs_atlas().of(sorted(self.picked))
 
-    def built(self) -> Atlas:
-        """The whole atlas, whose gaits are numbers of `gaits`."""
-        return build_atlas(self.growth, self._numbers)
+    def built(self, largest: int | None = None) -> Atlas:
+        """The whole atlas, whose gaits are numbers of `gaits`; see `build_atlas`."""
+        return build_atlas(self.growth, self._numbers, largest)
 
     def judge_predictions(self) -> Predictions:
         """How good the predictions of the whole atlas are inside the domain."""

@@ -11,7 +11,7 @@ from gaitflow.certificate.draw import draw_tasks
 from gaitflow.sampling.making import MapInMaking
 from gaitflow.sampling.picks import Picks
 
-DRAWS = 4
+DRAWS = 2
 
 
 def rehearse(making: MapInMaking, picks: Picks, number: int, seed: int) -> int:

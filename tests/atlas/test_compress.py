@@ -7,7 +7,9 @@ import pytest
 
 from gaitflow.atlas.compress import _modes, _tear, _without_strays, build_atlas
 from gaitflow.atlas.grow import Growth
+from gaitflow.atlas.node import BARRIER
 from gaitflow.runtime.atlas_file import atlas_bytes, parse_atlas
+from gaitflow.runtime.condensed import Condenser
 
 EVERYTHING = 10**9
 
@@ -16,11 +18,13 @@ def test_with_all_modes_a_sheet_gives_its_nodes_back(grown: Growth) -> None:
     atlas = build_atlas(grown, [0, 1], EVERYTHING)
     assert [sheet.gait for sheet in atlas.sheets] == [0, 1]
     for sheet, nodes in zip(atlas.sheets, grown.nodes, strict=True):
+        condenser = Condenser(sheet.space, BARRIER)
         assert [tuple(place) for place in sheet.tasks.tolist()] == sorted(nodes)
         for row, place in enumerate(sorted(nodes)):
-            node, kept = nodes[place], sheet.mean + sheet.coordinates[row] @ sheet.modes
+            node, kept = nodes[place], condenser.expanded(sheet.mean + sheet.coordinates[row] @ sheet.modes)
             free = len(sheet.space.free)
-            np.testing.assert_allclose(kept[:free], node.point[:free], atol=1e-4)
+            np.testing.assert_allclose(kept[:free], node.point[:free], atol=1e-3)
+            np.testing.assert_allclose(kept[-sheet.space.bounds :], node.point[-sheet.space.bounds :], atol=0.05)
             along = sheet.tangents[row] @ sheet.modes
             np.testing.assert_allclose(along[:, :free], node.tangents[:, :free], atol=1e-2)
             assert sheet.costs[row] == node.cost
@@ -36,7 +40,7 @@ def test_prediction_at_a_node_is_the_node(grown: Growth) -> None:
         assert predicted.cost == pytest.approx(node.cost, rel=1e-6)
 
 
-@pytest.mark.parametrize("largest", [200_000, 400_000])
+@pytest.mark.parametrize("largest", [75_000, 140_000])
 def test_an_atlas_has_the_size_that_it_may_have(grown: Growth, largest: int) -> None:
     assert 0.6 * largest < len(atlas_bytes(build_atlas(grown, [0, 1], largest))) <= largest
 
@@ -51,6 +55,9 @@ def test_equal_nodes_give_equal_bytes_that_can_be_read(grown: Growth) -> None:
     problem = grown.problem
     read = parse_atlas(content, tuple(grown.domain.axes), 2, problem.layout, problem.ng, "atlas")
     np.testing.assert_array_equal(read.steps, grown.steps)
+    for one, other in zip(read.sheets, build_atlas(grown, [0, 1]).sheets, strict=True):
+        for name in ("mean", "modes", "coordinates", "tangents"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
 
 
 def test_a_pattern_without_a_node_has_no_sheet(grown: Growth) -> None:
