@@ -111,7 +111,7 @@ class _Analysed:
 
     @property
     def other_bytes(self) -> int:
-        """What is there without any mode: what is kept, mean and exponents, each node's place, cost and slopes; names."""
+        """What is there without any mode: what is kept, mean, exponents, each node's place, cost and slopes; names."""
         return (
             8 * self.kept + (4 + OF_NUMBER) * len(self.weights) + 8 * (2 * self.places.size + len(self.places)) + NAMES
         )

@@ -18,8 +18,9 @@ from gaitflow.runtime.versions import resolve
 
 MAP = "map.bin"
 READER = (
-    "gait_map.hpp", "atlas.hpp", "trajectory.hpp", "map_file.hpp", "map_data.hpp", "function.hpp", "cursor.hpp",
-    "classifier.hpp", "perceptron.hpp", "forest.hpp", "support_vectors.hpp", "neighbours.hpp", "scaler.hpp",
+    "gait_map.hpp", "atlas.hpp", "condensed.hpp", "trajectory.hpp", "map_file.hpp", "map_data.hpp", "function.hpp",
+    "cursor.hpp", "classifier.hpp", "perceptron.hpp", "forest.hpp", "support_vectors.hpp", "neighbours.hpp",
+    "scaler.hpp",
 )  # fmt: skip
 PLANNER = (
     "planner.hpp", "refine.hpp", "starts.hpp", "interior_point.hpp", "point.hpp", "kkt.hpp", "paths.hpp", "ldlt.hpp",

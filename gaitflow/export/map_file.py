@@ -24,7 +24,7 @@ from gaitflow.runtime.tensors import GaitTensors
 from gaitflow.solvers.point import GaitSpace
 
 MAGIC = b"gaitmap\n"
-FORMAT = 6
+FORMAT = 7
 _START = struct.Struct("<8sIIQ32s")  # magic, format, CRC-32 of all from byte 16 on, size of the file, digest
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from gaitflow.core import check
-from gaitflow.runtime import gait_map, plan, refine
+from gaitflow.runtime import condensed, gait_map, plan, refine
 from gaitflow.solvers import interior_point, kkt, point
 
 CONSTANTS = {
@@ -25,6 +25,7 @@ CONSTANTS = {
         "corrections": kkt.CORRECTIONS, "rounding": kkt.ROUNDING, "refinements": kkt.REFINEMENTS,
     },
     "point.hpp": {"largest_log": point.LARGEST_LOG},
+    "condensed.hpp": {"largest_log": condensed.LARGEST_LOG},
     "starts.hpp": {
         "primal_barrier": refine.PRIMAL_BARRIER, "node_barrier": refine.NODE_BARRIER,
         "mean_barrier": refine.MEAN_BARRIER, "least_cost": refine.LEAST_COST,

@@ -183,7 +183,7 @@ def resealed(content: bytes) -> bytes:
         (lambda content: b"PK" + content[2:], "this is no map.bin"),
         (lambda content: content[:2000] + bytes([content[2000] ^ 1]) + content[2001:], "its checksum is wrong"),
         (lambda content: content[:30] + bytes([content[30] ^ 1]) + content[31:], "its checksum is wrong"),
-        (lambda content: content[:8] + struct.pack("<I", 1) + content[12:], "has format 1, this reader knows format 6"),
+        (lambda content: content[:8] + struct.pack("<I", 1) + content[12:], "has format 1, this reader knows format 7"),
         (lambda content: resealed(content + b"\0" * 8), "something follows after its end"),
         (lambda content: resealed(content[:-8]), "longer than the file"),
         (lambda content: resealed(content[:-16] + struct.pack("<ff", 3e38, 3e38) + content[-8:]), "beyond 1e15"),

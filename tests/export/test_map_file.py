@@ -51,7 +51,7 @@ def test_it_holds_the_map(which: str, request: pytest.FixtureRequest) -> None:
     layout, domain, axes = manifest.layout, manifest.domain, manifest.space.ranged
 
     magic, number, crc, size, digest = struct.unpack("<8sIIQ32s", content[:56])
-    assert (magic, number, size) == (b"gaitmap\n", 6, len(content))
+    assert (magic, number, size) == (b"gaitmap\n", 7, len(content))
     assert crc == zlib.crc32(content[16:])
     assert digest == hashlib.sha256((exported.model / "manifest.json").read_bytes()).digest()
 

@@ -9,6 +9,7 @@
 #include <limits>
 #include <vector>
 
+#include "condensed.hpp"
 #include "map_data.hpp"
 
 namespace gaitflow {
@@ -278,14 +279,14 @@ class AtlasView {
     return log;
   }
 
-  // The point [ny] at coordinates along a sheet's modes.
-  static Vector point_at(const Sheet& sheet, const Vector& coordinates) {
+  // The encoded point [ny] at coordinates along a sheet's modes, whose points may be condensed.
+  Vector point_at(const Sheet& sheet, const Vector& coordinates) const {
     Vector point(sheet.mean.begin(), sheet.mean.end());
     for (std::size_t mode = 0; mode < coordinates.size(); ++mode) {
       const float* direction = sheet.modes.data() + mode * point.size();
       for (std::size_t i = 0; i < point.size(); ++i) point[i] += coordinates[mode] * static_cast<double>(direction[i]);
     }
-    return point;
+    return point.size() == sheet.space.encoded() ? point : expanded(sheet.space, atlas_.barrier, point);
   }
 
   // A node's coordinates, moved against an offset along its tangents.

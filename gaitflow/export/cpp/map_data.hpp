@@ -61,7 +61,8 @@ struct Gait {
   Space space;
 };
 
-// One pattern of a gait: n solved tasks (nodes) over a axes, each a point of k modes, with derivatives by the axes.
+// One pattern of a gait: n solved tasks (nodes) over a axes, each a point of k modes, with derivatives by the axes. Points
+// have c numbers, condensed ones or encoded.
 // Lengths are in steps of the axes, slopes and tangents are by such a step.
 struct Sheet {
   std::size_t gait;
@@ -71,7 +72,7 @@ struct Sheet {
   std::size_t nodes, mode_count, infeasible_count;
   Vector places, log_costs, slopes;              // [n, a], [n], [n, a]
   Vector infeasible;                             // [m, a]: places where the pattern has no motion
-  std::vector<float> mean, modes, coordinates;   // [ny], [k, ny], [n, k]
+  std::vector<float> mean, modes, coordinates;   // [c], [k, c], [n, k]
   Vector tangents;                               // [n, a, k]
   std::vector<std::size_t> by_first_axis;        // the nodes in the order of their first axis
 };

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "classifier.hpp"
+#include "condensed.hpp"
 #include "cursor.hpp"
 #include "map_data.hpp"
 
@@ -25,7 +26,7 @@ namespace gaitflow {
 namespace detail {
 
 constexpr std::size_t checked_from = 16;
-constexpr std::uint32_t known_format = 6;
+constexpr std::uint32_t known_format = 7;
 constexpr double least_length = 1e-9;  // of what is divided by
 
 // CRC-32 as in zlib and PNG.
@@ -139,7 +140,7 @@ inline Sheet read_sheet(Cursor& file, const MapFile& map) {
   sheet.nodes = file.count(1, 1000000, "a sheet of the atlas has no nodes, or too many");
   sheet.mode_count = file.count(1, 512, "a sheet of the atlas has no modes, or too many");
   const std::size_t size = file.count(0, 100000000, "a sheet of the atlas is too large");
-  file.require(size == sheet.space.encoded() && !sheet.space.free.empty(),
+  file.require((size == sheet.space.encoded() || size == condensed_size(sheet.space)) && !sheet.space.free.empty(),
                "a sheet of the atlas does not fit its pattern");
   sheet.infeasible_count = file.count(0, 1000000, "a sheet of the atlas has too many infeasible places");
   sheet.tear = file.finite<double>(1)[0];
