@@ -90,7 +90,7 @@ class _Analysed:
     """A pattern's nodes in condensed, weighted numbers: points [n, c], tangents [n, a, c], all their modes [m, c].
 
     sizes [m]: what each mode explains of the squares of all nodes, largest first. beyond [i, a]: where the pattern
-    has no motion. kept: how many numbers impose the pattern and say where that is.
+    has no motion. kept: the bytes that impose the pattern and say where that is.
     """
 
     places: Array
@@ -131,7 +131,7 @@ def _analysed(growth: Growth, number: int) -> _Analysed:
     points -= mean
     modes, sizes = _modes(points, tangents * growth.steps[:, None])
     beyond = _beyond(growth, number)
-    kept = 2 * (len(space.lower) + len(space.lower_rows)) + beyond.size
+    kept = 2 * (len(space.lower) + len(space.lower_rows)) + 8 * beyond.size  # of a bound a byte says which level
     return _Analysed(places, pairs, weights, mean, points, tangents, modes, sizes, beyond, kept)
 
 

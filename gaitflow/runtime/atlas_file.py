@@ -1,11 +1,14 @@
 """atlas.safetensors: the atlas' bytes, and an atlas from bytes that nobody has checked yet.
 
 Tensors: `axes` (names in ASCII, joined by commas, uint8), `steps` [a] and `barrier` [1] (float64), `sheets` [1]
-(int32), and for every sheet "<number>.<name>": gait [1] (int32), pattern [legs, phases] (uint8), lower, upper [nw],
-lower_rows, upper_rows [ng] (float64), and the fields of `Sheet` by their names. Of these mean is float32, most others
-float64. modes, coordinates and tangents are int16 in fixed point (`gaitflow.runtime.fixed_point`) with exponents, int16
-as well, in "<number>.<name>_exponents" [1, c], [1, k] and [1, a, k]; in older maps float32 without. A sheet without
-infeasible places has no tensor of them, as in older maps.
+(int32), `levels` (float64), all values that bounds have, and for every sheet "<number>.<name>": gait [1] (int32),
+pattern [legs, phases] (uint8), lower, upper [nw], lower_rows, upper_rows [ng] (uint8: which level), and the fields of
+`Sheet` by their names. Of these mean is float32, most others float64. modes, coordinates and tangents are int16 in
+fixed point (`gaitflow.runtime.fixed_point`) with exponents, int16 as well, in "<number>.<name>_exponents" [1, c],
+[1, k] and [1, a, k]. A sheet without infeasible places has no tensor of them.
+
+In older maps bounds are float64, and fixed point is float32 without exponents. Bounds of more than 256 values, and
+numbers that fixed point would change, are written so today.
 """
 
 from __future__ import annotations
@@ -33,6 +36,7 @@ MAX_NODES = 1_000_000  # of all sheets
 _NUMBERS = ("tasks", "costs", "slopes", "mean", "modes", "coordinates", "tangents")
 ROUNDED_ALONG = {"modes": 0, "coordinates": 0, "tangents": 0}  # the axis whose numbers share an exponent
 EXPONENTS = "_exponents"
+LEVELS, MOST_LEVELS = "levels", 256
 BOUNDS = ("lower", "upper", "lower_rows", "upper_rows")
 INFEASIBLE = "infeasible"
 _NAMES = ("gait", "pattern", *BOUNDS, *_NUMBERS, "tear")
@@ -46,10 +50,13 @@ def atlas_bytes(atlas: Atlas) -> bytes:
         "barrier": np.array([atlas.barrier]),
         "sheets": np.array([len(atlas.sheets)], dtype=np.int32),
     }
+    bounds = [getattr(sheet.space, name) for sheet in atlas.sheets for name in BOUNDS]
+    levels = np.unique(np.concatenate(bounds)) if bounds else np.zeros(0)
+    tensors |= {LEVELS: levels} if 0 < len(levels) <= MOST_LEVELS else {}
     for number, sheet in enumerate(atlas.sheets):
         own = {name: getattr(sheet, name) for name in _NUMBERS}
         own |= _in_fixed_point({name: own[name] for name in ROUNDED_ALONG})
-        own |= {name: getattr(sheet.space, name) for name in BOUNDS}
+        own |= {name: _levelled(getattr(sheet.space, name), tensors.get(LEVELS)) for name in BOUNDS}
         own |= {
             "gait": np.array([sheet.gait], dtype=np.int32),
             "pattern": np.array([[int(digit) for digit in row] for row in sheet.pattern.split("/")], dtype=np.uint8),
@@ -58,6 +65,10 @@ def atlas_bytes(atlas: Atlas) -> bytes:
         own |= {INFEASIBLE: sheet.infeasible} if len(sheet.infeasible) else {}
         tensors |= {f"{number}.{name}": np.ascontiguousarray(value) for name, value in own.items()}
     return save(tensors)
+
+
+def _levelled(bounds: Array, levels: Array | None) -> NDArray[Any]:
+    return bounds if levels is None else np.searchsorted(levels, bounds).astype(np.uint8)
 
 
 def _in_fixed_point(arrays: Mapping[str, NDArray[np.float32]]) -> dict[str, NDArray[Any]]:
@@ -84,7 +95,9 @@ def parse_atlas(content: bytes, axes: Sequence[str], gaits: int, layout: Layout,
     optional = {f"{number}.{INFEASIBLE}" for number in range(count)} & set(file.tensors)
     exponents = {f"{number}.{name}{EXPONENTS}" for number in range(count) for name in ROUNDED_ALONG}
     required = {f"{number}.{name}" for number in range(count) for name in _NAMES}
-    file.expect({"axes", "steps", "barrier", "sheets"} | required | optional | exponents & set(file.tensors))
+    file.expect(
+        {"axes", "steps", "barrier", "sheets"} | required | optional | (exponents | {LEVELS}) & set(file.tensors)
+    )
     found = file.names("axes")
     if found != tuple(axes):
         file.refuse("axes", f"are {', '.join(found)}; the map's are {', '.join(axes)}")
@@ -104,10 +117,7 @@ def parse_atlas(content: bytes, axes: Sequence[str], gaits: int, layout: Layout,
 def parse_space(file: TensorFile, prefix: str, layout: Layout, rows: int) -> GaitSpace:
     """The bounds of a sheet, "<prefix>.lower" and so on. Raises ArtifactError."""
     sizes = (layout.nw, layout.nw, rows, rows)
-    bounds = [
-        file.array(f"{prefix}.{each}", (size,), np.float64, finite=False)
-        for each, size in zip(BOUNDS, sizes, strict=True)
-    ]
+    bounds = [_bounds(file, f"{prefix}.{each}", size) for each, size in zip(BOUNDS, sizes, strict=True)]
     if (bounds[0] > bounds[1]).any() or (bounds[2] > bounds[3]).any():
         file.refuse(f"sheet {prefix}", "has a bound below that lies above the one above")
     if any(np.isposinf(each).any() for each in bounds[::2]) or any(np.isneginf(each).any() for each in bounds[1::2]):
@@ -116,6 +126,21 @@ def parse_space(file: TensorFile, prefix: str, layout: Layout, rows: int) -> Gai
     if not (len(space.free) and space.rows and space.bounds):
         file.refuse(f"sheet {prefix}", "leaves no variable, no row or no bound to solve for")
     return space
+
+
+def _bounds(file: TensorFile, name: str, size: int) -> Array:
+    """Bounds that are written out, or by which of the levels each is. Raises ArtifactError."""
+    if LEVELS not in file.tensors:
+        return file.array(name, (size,), np.float64, finite=False)
+    levels = file.array(LEVELS, (file.length(LEVELS),), np.float64, finite=False)
+    if len(levels) > MOST_LEVELS or (levels[1:] <= levels[:-1]).any():
+        file.refuse(LEVELS, f"are more than {MOST_LEVELS}, or not in ascending order")
+    which = file.array(name, (size,), np.uint8)
+    if which.max(initial=0) >= len(levels):
+        file.refuse(name, f"has level {which.max()}; there are {len(levels)}")
+    bounds: Array = levels[which]
+    bounds.flags.writeable = False
+    return bounds
 
 
 def parse_pattern(file: TensorFile, prefix: str, layout: Layout) -> str:

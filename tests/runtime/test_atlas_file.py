@@ -12,7 +12,17 @@ from tiny_map import TinyMap
 
 from gaitflow.runtime import ArtifactError
 from gaitflow.runtime.atlas import Atlas, Prediction, Sheet
-from gaitflow.runtime.atlas_file import MAX_MODES, MAX_SHEETS, atlas_bytes, parse_atlas
+from gaitflow.runtime.atlas_file import (
+    BOUNDS,
+    EXPONENTS,
+    LEVELS,
+    MAX_MODES,
+    MAX_SHEETS,
+    ROUNDED_ALONG,
+    atlas_bytes,
+    parse_atlas,
+)
+from gaitflow.runtime.fixed_point import WHOLE, rounded, single
 from gaitflow.runtime.strict import LARGEST
 from gaitflow.solvers.point import GaitSpace
 
@@ -83,10 +93,32 @@ def test_a_real_atlas_round_trips(tiny: TinyMap) -> None:
 
 # Damage. Values that are only different are the digest's business; here nothing but ArtifactError may come out.
 
-CONTENT = atlas_bytes(atlas(flat(0), flat(1, [(0, 0), (2, 1)])))
-HEADER = 8 + int.from_bytes(CONTENT[:8], "little")
-TENSORS = sorted(load(CONTENT))
-positions = st.one_of(st.integers(0, HEADER - 1), st.integers(0, len(CONTENT) - 1))
+
+def as_older(content: bytes) -> bytes:
+    """As older maps have it: bounds and numbers written out."""
+    tensors = load(content)
+    levels = tensors.pop(LEVELS)
+    for name in [name for name in tensors if name.endswith(EXPONENTS)]:
+        exponents, whole = tensors.pop(name), name.removesuffix(EXPONENTS)
+        tensors[whole] = single(tensors[whole], exponents)
+    bounds = {name: levels[which] for name, which in tensors.items() if name.split(".")[-1] in BOUNDS}
+    return save(tensors | bounds)
+
+
+def in_fixed_point(sheet: Sheet) -> Sheet:
+    return replace(sheet, **{name: rounded(getattr(sheet, name), along) for name, along in ROUNDED_ALONG.items()})
+
+
+CONTENT = atlas_bytes(atlas(*map(in_fixed_point, (flat(0), flat(1, [(0, 0), (2, 1)])))))
+OLDER = as_older(CONTENT)
+CONTENTS = [CONTENT, OLDER]
+contents = st.sampled_from(CONTENTS)
+
+
+def test_an_older_file_says_the_same() -> None:
+    assert LEVELS in load(CONTENT) and "0.modes" + EXPONENTS in load(CONTENT)
+    assert len(OLDER) > len(CONTENT)
+    same(parse(OLDER), parse(CONTENT))
 
 
 def refused_or_sound(content: bytes) -> None:
@@ -110,18 +142,20 @@ def finite_start(made: Atlas, number: int, found: Prediction) -> None:
     assert all(np.isfinite(each).all() for each in own.join(own.decode(found.point), found.cost))
 
 
-@given(st.lists(st.tuples(positions, st.integers(0, 7)), min_size=1, max_size=4))
-def test_flipped_bits_are_refused_or_harmless(flips: list[tuple[int, int]]) -> None:
-    content = bytearray(CONTENT)
-    for position, bit in flips:
-        content[position] ^= 1 << bit
-    refused_or_sound(bytes(content))
+@given(contents, st.data())
+def test_flipped_bits_are_refused_or_harmless(content: bytes, data: st.DataObject) -> None:
+    header = 8 + int.from_bytes(content[:8], "little")
+    positions = st.one_of(st.integers(0, header - 1), st.integers(0, len(content) - 1))
+    flipped = bytearray(content)
+    for position, bit in data.draw(st.lists(st.tuples(positions, st.integers(0, 7)), min_size=1, max_size=4)):
+        flipped[position] ^= 1 << bit
+    refused_or_sound(bytes(flipped))
 
 
-@given(st.integers(0, len(CONTENT) - 1))
-def test_truncated_files_are_refused(length: int) -> None:
+@given(contents, st.floats(0, 1, exclude_max=True))
+def test_truncated_files_are_refused(content: bytes, share: float) -> None:
     with pytest.raises(ArtifactError, match=r"^a: "):
-        parse(CONTENT[:length])
+        parse(content[: int(share * len(content))])
 
 
 @given(st.binary(max_size=200))
@@ -132,10 +166,17 @@ def test_garbage_is_refused(content: bytes) -> None:
         parse(len(content).to_bytes(8, "little") + content)
 
 
-@pytest.mark.parametrize("name", TENSORS)
+@pytest.mark.parametrize(
+    ("content", "name"),
+    [
+        pytest.param(content, name, id=f"{name}-{way}")
+        for way, content in (("today", CONTENT), ("older", OLDER))
+        for name in sorted(load(content))
+    ],
+)
 @pytest.mark.parametrize("oddity", ["missing", "type", "scalar", "longer", "shorter", "empty", "another axis"])
-def test_odd_tensors_are_refused(name: str, oddity: str) -> None:
-    tensors = load(CONTENT)
+def test_odd_tensors_are_refused(content: bytes, name: str, oddity: str) -> None:
+    tensors = load(content)
     tensor = tensors.pop(name)
     odd = {
         "type": lambda: tensor.astype(np.float16),
@@ -152,22 +193,23 @@ def test_odd_tensors_are_refused(name: str, oddity: str) -> None:
 
 
 @given(
-    st.sampled_from(TENSORS),
+    contents.flatmap(lambda content: st.tuples(st.just(content), st.sampled_from(sorted(load(content))))),
     st.sampled_from([np.nan, np.inf, -np.inf, 0.0, -1.0, 1e300, -1e300, 1e38, 5e-324, 255.0, 2**31 - 1, -(2**31)]),
     st.integers(0, 2**31),
 )
-def test_odd_values_are_refused_or_harmless(name: str, value: float, where: int) -> None:
-    tensors = load(CONTENT)
+def test_odd_values_are_refused_or_harmless(tensor: tuple[bytes, str], value: float, where: int) -> None:
+    content, name = tensor
+    tensors = load(content)
     numbers = tensors[name].reshape(-1)
     with np.errstate(all="ignore"):
         numbers[where % len(numbers)] = np.array(value).astype(numbers.dtype)
     refused_or_sound(save(tensors))
 
 
-def changed(**values: object) -> bytes:
-    tensors = load(CONTENT)
+def changed(content: bytes, **values: object) -> bytes:
+    tensors = load(content)
     for name, value in values.items():
-        name = name.replace("_of_", ".").removeprefix("n")
+        name = name.replace("_of_", ".", 1).removeprefix("n")
         tensors[name] = np.broadcast_to(np.array(value, dtype=tensors[name].dtype), tensors[name].shape).copy()
     return save(tensors)
 
@@ -198,7 +240,23 @@ def changed(**values: object) -> bytes:
 )
 def test_a_wrong_value_is_named(values: dict[str, object], fault: str) -> None:
     with pytest.raises(ArtifactError) as caught:
-        parse(changed(**values))
+        parse(changed(OLDER, **values))
+    assert fault in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("values", "fault"),
+    [
+        ({"n0_of_lower": 255}, "0.lower has level 255; there are"),
+        ({"levels": 1.0}, "levels are more than 256, or not in ascending order"),
+        ({"levels": np.nan}, "levels holds a value that is not finite"),
+        ({"n0_of_modes": WHOLE, "n0_of_modes_exponents": 2000}, "0.modes_exponents leads beyond 1e+15"),
+        ({"n1_of_tangents": WHOLE, "n1_of_tangents_exponents": 60}, "1.tangents_exponents leads beyond 1e+15"),
+    ],
+)
+def test_a_wrong_value_of_today_s_format_is_named(values: dict[str, object], fault: str) -> None:
+    with pytest.raises(ArtifactError) as caught:
+        parse(changed(CONTENT, **values))
     assert fault in str(caught.value)
 
 
@@ -206,7 +264,7 @@ def test_the_largest_numbers_that_a_file_may_hold_give_finite_starts() -> None:
     names = ("costs", "slopes", "mean", "modes", "coordinates", "tangents", "tear")
     for sign in (1, -1):
         most = {f"n{n}_of_{name}": LARGEST * 0.9 for n in (0, 1) for name in names}
-        made = parse(changed(**most | {f"n{n}_of_slopes": sign * LARGEST for n in (0, 1)}))
+        made = parse(changed(OLDER, **most | {f"n{n}_of_slopes": sign * LARGEST for n in (0, 1)}))
         for place in PLACES:
             for number in made.ranked(place):
                 finite_start(made, number, made.predict(number, place))
