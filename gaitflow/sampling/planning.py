@@ -16,14 +16,15 @@ from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, Prediction
 from gaitflow.runtime.plan import LEAST_SAVING, TOP
-from gaitflow.runtime.refine import LIMIT
+from gaitflow.runtime.refine import LIMIT, SINGLE_LIMIT
 from gaitflow.sampling.making import MapInMaking
 from gaitflow.search.attempts import best_of, until_feasible
 from gaitflow.solvers.fixed_gait import FixedGaitSolver
 
 NODES = 2  # nearest nodes of a pattern from which a gait is solved where its prediction leads nowhere
 
-Solves = Generator[Request, float | None, "Planned | None"]  # asks for solves, hears their costs, ends with the plan
+Asked = tuple[Request, int]  # with the iterations that it may take
+Solves = Generator[Asked, float | None, "Planned | None"]  # asks for solves, hears their costs, ends with the plan
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class Planning:
         """The plan at each task, None where no gait has a motion."""
         solver, places = self._making.growth.solver, [task.on(self._atlas.axes) for task in tasks]
         asked = [solves(self._atlas, place, self._sheets) for place in places]
-        found = together(asked, lambda requests: solver.costs_at(requests, LIMIT))
+        found = together(asked, solver.costs_at)
         scale = self._making.problem.cost_scale
         return [
             self._from_other_starts(task) if plan is None else Planned(self._gaits[plan.gait], plan.cost * scale)
@@ -77,7 +78,7 @@ def solves(atlas: Atlas, place: Place, patterns: Sequence[int]) -> Solves:
     for number, sheet in enumerate(candidates):
         cost = None
         for start in _starts(atlas, sheet, asked):
-            cost = yield patterns[sheet], place, start
+            cost = yield (patterns[sheet], place, start), LIMIT
             if cost is not None:
                 break
         if cost is None:
@@ -85,7 +86,7 @@ def solves(atlas: Atlas, place: Place, patterns: Sequence[int]) -> Solves:
         best, least = Planned(atlas.sheets[sheet].gait, cost), atlas.least_costs(asked)
         for rival in candidates[number + 1 :]:
             if least[rival] < best.cost * (1 - LEAST_SAVING):
-                cost = yield patterns[rival], place, next(_starts(atlas, rival, asked))
+                cost = yield (patterns[rival], place, next(_starts(atlas, rival, asked))), SINGLE_LIMIT
                 if cost is not None and cost < best.cost * (1 - LEAST_SAVING):
                     best = Planned(atlas.sheets[rival].gait, cost)
         return best
@@ -105,18 +106,21 @@ def _starts(atlas: Atlas, sheet: int, asked: Array) -> Generator[Prediction, Non
 
 
 def together(
-    asked: Iterable[Solves], solve: Callable[[Sequence[Request]], Sequence[float | None]]
+    asked: Iterable[Solves], solve: Callable[[Sequence[Request], int], Sequence[float | None]]
 ) -> list[Planned | None]:
-    """What generators end with; `solve` is given the requests of all that go on."""
+    """What generators end with; `solve` is given the requests of all that go on, those of one limit at a time."""
     going = list(asked)
     found: list[Planned | None] = [None] * len(going)
     answers: dict[int, float | None] = dict.fromkeys(range(len(going)))
     while answers:
-        requests: dict[int, Request] = {}
+        requests: dict[int, dict[int, Request]] = {}
         for number, answer in answers.items():
             try:
-                requests[number] = going[number].send(answer)
+                request, limit = going[number].send(answer)
+                requests.setdefault(limit, {})[number] = request
             except StopIteration as end:
                 found[number] = end.value
-        answers = dict(zip(requests, solve(list(requests.values())), strict=True)) if requests else {}
+        answers = {}
+        for limit, each in requests.items():
+            answers |= zip(each, solve(list(each.values()), limit), strict=True)
     return found

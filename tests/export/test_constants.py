@@ -30,7 +30,7 @@ CONSTANTS = {
         "primal_barrier": refine.PRIMAL_BARRIER, "node_barrier": refine.NODE_BARRIER,
         "mean_barrier": refine.MEAN_BARRIER, "least_cost": refine.LEAST_COST,
     },
-    "refine.hpp": {"feasible_within": check.FEASIBLE, "limit": refine.LIMIT},
+    "refine.hpp": {"feasible_within": check.FEASIBLE, "limit": refine.LIMIT, "single_limit": refine.SINGLE_LIMIT},
     "planner.hpp": {"least_saving": plan.LEAST_SAVING},
     "gait_map.hpp": {"farthest": gait_map.FARTHEST},
 }  # fmt: skip

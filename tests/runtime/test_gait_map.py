@@ -127,7 +127,7 @@ def test_beyond_the_domain_a_guess_has_to_be_asked_for(
     assert len(choice.ranked) == 2 and choice.probability == choice.ranked[0][1]
     start = choice.warm_start
     assert (start.gait, start.pattern) == (choice.gait, choice.pattern)
-    assert start.times[-1] == pytest.approx(cycle)
+    assert start.times[-1] == pytest.approx(cycle, rel=1e-4), "the start is rounded, and moved far along its tangents"
 
 
 def test_beyond_says_the_same_inside(gait_map: GaitMap) -> None:

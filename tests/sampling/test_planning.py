@@ -9,6 +9,7 @@ import pytest
 
 from gaitflow.atlas.node import Request
 from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.refine import LIMIT, SINGLE_LIMIT
 from gaitflow.sampling.planning import NODES, Planned, solves, together
 from tests.helpers.sheets import sheet
 
@@ -30,9 +31,10 @@ class Solver:
     """Costs of patterns by their numbers; a pattern without one has no motion."""
 
     def __init__(self, costs: Mapping[int, float]) -> None:
-        self.costs, self.batches = costs, list[list[int]]()
+        self.costs, self.batches, self.limits = costs, list[list[int]](), list[int]()
 
-    def __call__(self, requests: Sequence[Request]) -> list[float | None]:
+    def __call__(self, requests: Sequence[Request], limit: int) -> list[float | None]:
+        self.limits.append(limit)
         self.batches.append([pattern for pattern, _, _ in requests])
         return [self.costs.get(pattern) for pattern, _, _ in requests]
 
@@ -79,8 +81,13 @@ def test_tasks_are_solved_side_by_side() -> None:
     assert solver.batches == [[0, 0]] * (1 + NODES) + [[1, 1]]
 
 
+def test_what_may_be_cheaper_gets_fewer_iterations() -> None:
+    made, solver = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2)), Solver({0: 1.5, 1: 1.2})
+    together([solves(made, AMID, [0, 1])], solver)
+    assert (solver.batches, solver.limits) == ([[0], [1]], [LIMIT, SINGLE_LIMIT])
+
+
 @pytest.mark.parametrize("number", [0, 3])
 def test_as_many_plans_as_tasks(number: int) -> None:
     made = atlas(sheet_of(0, 1.0))
-    assert together([solves(made, AMID, [0])] * 0, Solver({})) == []
     assert len(together([solves(made, AMID, [0]) for _ in range(number)], Solver({0: 1.0}))) == number
