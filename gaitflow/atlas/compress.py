@@ -22,6 +22,7 @@ from gaitflow.runtime.atlas_file import ROUNDED_ALONG
 from gaitflow.runtime.condensed import Condenser
 from gaitflow.runtime.fixed_point import rounded
 from gaitflow.runtime.nearby import REACH
+from gaitflow.runtime.sheet_image import imaged, signs_of
 
 LARGEST = {2: 2_700_000, 3: 6_500_000}  # bytes of an atlas of two axes, in the plane and in space
 FURTHER_AXIS = 3.9  # times as many, for each axis beyond two,
@@ -47,16 +48,33 @@ def build_atlas(growth: Growth, gaits: Sequence[int], largest: int | None = None
     nodes give an equal atlas.
     """
     numbers = [number for number, nodes in enumerate(growth.nodes) if nodes]
-    sheets = [_analysed(growth, number) for number in numbers]
+    images = {number: other for number in numbers if (other := _first_image(growth, number)) is not None}
+    sheets = {number: _analysed(growth, number) for number in numbers if number not in images}
     if largest is None:
         further = FURTHER_AXIS ** max(len(growth.domain.axes) - 2, 0)
         largest = min(int(LARGEST[growth.problem.layout.dimension] * further), MOST_BYTES)
-    counts = _mode_counts(sheets, largest)
-    built = tuple(
-        _sheet(growth, number, gaits[number], sheet, count)
-        for number, sheet, count in zip(numbers, sheets, counts, strict=True)
-    )
-    return Atlas(tuple(growth.domain.axes), growth.steps, BARRIER, built)
+    of_images = sum(sheets[other].image_bytes for other in images.values())
+    counts = _mode_counts(list(sheets.values()), largest - of_images)
+    built = {
+        number: _sheet(growth, number, gaits[number], sheet, count)
+        for (number, sheet), count in zip(sheets.items(), counts, strict=True)
+    }
+    built |= {number: _image(growth, number, gaits[number], built[other]) for number, other in images.items()}
+    return Atlas(tuple(growth.domain.axes), growth.steps, BARRIER, tuple(built[number] for number in numbers))
+
+
+def _first_image(growth: Growth, number: int) -> int | None:
+    """The pattern before this one of which it is the mirror image, if there is one that has nodes."""
+    other = growth.image_of(number)
+    return other if other is not None and other < number and growth.nodes[other] else None
+
+
+def _image(growth: Growth, number: int, gait: int, other: Sheet) -> Sheet:
+    assert growth.images is not None
+    space = growth.solver.methods[number].space
+    image = growth.images.sheet(other.pattern, other.space, space)
+    pattern = growth.solver.patterns[number].text
+    return imaged(other, image, gait, pattern, space, signs_of(tuple(growth.domain.axes)))
 
 
 def cost_atlas(growth: Growth, gaits: Sequence[int]) -> Atlas:
@@ -108,6 +126,11 @@ class _Analysed:
     def mode_bytes(self) -> int:
         """What one more mode takes: its own numbers, a coordinate and tangents of every node, and their exponents."""
         return OF_NUMBER * (len(self.weights) + len(self.places) + self.places.size + self.places.shape[1] + 1)
+
+    @property
+    def image_bytes(self) -> int:
+        """What the mirror image of a pattern takes: its bounds, and of each number where it goes and its sign."""
+        return self.kept + 5 * len(self.weights) + NAMES
 
     @property
     def other_bytes(self) -> int:

@@ -118,7 +118,7 @@ class Growth:
         """Store a node's image, if that is of another pattern that there is: it spreads as the node does."""
         if self.images is None:
             return
-        patterns, methods, other = self.solver.patterns, self.solver.methods, self._image_of(sheet)
+        patterns, methods, other = self.solver.patterns, self.solver.methods, self.image_of(sheet)
         if other is None:
             return
         found = self.images.node(node, patterns[sheet], methods[sheet].space, methods[other].space)
@@ -126,7 +126,7 @@ class Growth:
         if self.inside(found.place) and (known is None or found.cost < known.cost * (1 - CHEAPER)):
             self._store(other, found)
 
-    def _image_of(self, sheet: int) -> int | None:
+    def image_of(self, sheet: int) -> int | None:
         """The pattern that is the mirror image of another one; None without images, or where it is that one itself."""
         patterns = self.solver.patterns
         image = patterns[sheet] if self.images is None else self.images.pattern(patterns[sheet])
@@ -135,7 +135,7 @@ class Growth:
     def give_up(self, sheet: int, place: Place) -> None:
         """Take it that a pattern has no motion at a place, where it has no node, nor its image at that of the place."""
         self._note_infeasible(sheet, place)
-        other = self._image_of(sheet)
+        other = self.image_of(sheet)
         if self.images is not None:
             self._note_infeasible(sheet if other is None else other, self.images.place(place))
 

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from gaitflow.atlas.node import Node, Place
 from gaitflow.core.gaits import Pattern
-from gaitflow.core.task import AXES
 from gaitflow.core.trajectory import Array
 from gaitflow.dataset.mirror import MirrorImage, Places
+from gaitflow.runtime.sheet_image import SheetImage, signs_of
 from gaitflow.solvers.point import GaitSpace
 
 
@@ -44,10 +44,31 @@ class NodeImages:
         tangents[:, place] = signs[:, None] * sign * node.tangents
         return Node(self.place(node.place), node.cost, signs * node.slopes, point, tangents)
 
+    def sheet(self, pattern: str, space: GaitSpace, of_image: GaitSpace) -> SheetImage:
+        """How the condensed points of the image of a pattern follow from the pattern's; the spaces as for `node`."""
+        (variables, of_variables), (rows, of_rows) = self.image.places
+        count = len(space.lower)
+        place, sign = np.concatenate([variables, count + rows]), np.concatenate([of_variables, of_rows])
+        places, signs, before = list[NDArray[np.intp]](), list[Array](), 0
+        for own, other in zip(_condensed_parts(space), _condensed_parts(of_image), strict=True):
+            number = np.full(len(place), -1, dtype=np.intp)
+            number[other] = before + np.arange(len(other))
+            places.append(number[place[own]])
+            signs.append(sign[own])
+            before += len(other)
+        return SheetImage(pattern, np.concatenate(places), np.concatenate(signs).astype(np.int8))
+
     @property
     def _signs(self) -> Array:
         """What the values on each axis are multiplied by."""
-        return np.array([-1.0 if AXES[axis].mirrored else 1.0 for axis in self.axes])
+        return signs_of(tuple(self.axes))
+
+
+def _condensed_parts(space: GaitSpace) -> tuple[NDArray[np.intp], ...]:
+    """The variable, or row after all variables, that each number of a condensed point is of, for its three kinds."""
+    count = len(space.lower)
+    bounded = np.concatenate([space.free, count + space.unequal])[space.has_lower | space.has_upper]
+    return space.free, count + space.equal, bounded
 
 
 def _encoded(space: GaitSpace, of_image: GaitSpace, variables: Places, rows: Places) -> Places:

@@ -38,6 +38,7 @@ from numpy.typing import NDArray
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.condensed import Condenser
 from gaitflow.runtime.nearby import REACH, EveryNode, EveryPlace, Near, weights_of
+from gaitflow.runtime.sheet_image import SheetImage
 from gaitflow.solvers.point import GaitSpace
 
 SUPPORT = 0.7  # of a cost that is believed: the nodes' centre is at most 0.45 steps off
@@ -70,6 +71,7 @@ class Sheet:
     tangents: NDArray[np.float32]
     tear: float
     infeasible: Array
+    image: SheetImage | None = None  # of another sheet, from which a file makes this one
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,9 @@ pattern [legs, phases] (uint8), lower, upper [nw], lower_rows, upper_rows [ng] (
 fixed point (`gaitflow.runtime.fixed_point`) with exponents, int16 as well, in "<number>.<name>_exponents" [1, c],
 [1, k] and [1, a, k]. A sheet without infeasible places has no tensor of them.
 
+A sheet that is the mirror image of another one has its gait, pattern and bounds, and instead of numbers `image_of` [1]
+(int32), the number of the other, `image_places` [c] (int32) and `image_signs` [c] (int8), see `SheetImage`.
+
 In older maps bounds are float64, and fixed point is float32 without exponents. Bounds of more than 256 values, and
 numbers that fixed point would change, are written so today.
 """
@@ -26,6 +29,7 @@ from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, Sheet
 from gaitflow.runtime.condensed import Condenser
 from gaitflow.runtime.fixed_point import fixed_point, single
+from gaitflow.runtime.sheet_image import SheetImage, imaged, signs_of
 from gaitflow.runtime.strict import LARGEST
 from gaitflow.runtime.tensor_file import TensorFile
 from gaitflow.solvers.point import GaitSpace
@@ -39,7 +43,9 @@ EXPONENTS = "_exponents"
 LEVELS, MOST_LEVELS = "levels", 256
 BOUNDS = ("lower", "upper", "lower_rows", "upper_rows")
 INFEASIBLE = "infeasible"
+IMAGE_OF = "image_of"
 _NAMES = ("gait", "pattern", *BOUNDS, *_NUMBERS, "tear")
+_IMAGE = ("gait", "pattern", *BOUNDS, IMAGE_OF, "image_places", "image_signs")
 
 
 def atlas_bytes(atlas: Atlas) -> bytes:
@@ -53,18 +59,32 @@ def atlas_bytes(atlas: Atlas) -> bytes:
     bounds = [getattr(sheet.space, name) for sheet in atlas.sheets for name in BOUNDS]
     levels = np.unique(np.concatenate(bounds)) if bounds else np.zeros(0)
     tensors |= {LEVELS: levels} if 0 < len(levels) <= MOST_LEVELS else {}
+    written = {sheet.pattern: number for number, sheet in enumerate(atlas.sheets) if sheet.image is None}
     for number, sheet in enumerate(atlas.sheets):
-        own = {name: getattr(sheet, name) for name in _NUMBERS}
-        own |= _in_fixed_point({name: own[name] for name in ROUNDED_ALONG})
+        is_image = sheet.image is not None and sheet.image.of in written
+        own = _image_tensors(sheet.image, written) if is_image else _number_tensors(sheet)
         own |= {name: _levelled(getattr(sheet.space, name), tensors.get(LEVELS)) for name in BOUNDS}
         own |= {
             "gait": np.array([sheet.gait], dtype=np.int32),
             "pattern": np.array([[int(digit) for digit in row] for row in sheet.pattern.split("/")], dtype=np.uint8),
-            "tear": np.array([sheet.tear]),
         }
-        own |= {INFEASIBLE: sheet.infeasible} if len(sheet.infeasible) else {}
         tensors |= {f"{number}.{name}": np.ascontiguousarray(value) for name, value in own.items()}
     return save(tensors)
+
+
+def _number_tensors(sheet: Sheet) -> dict[str, NDArray[Any]]:
+    own = {name: getattr(sheet, name) for name in _NUMBERS} | {"tear": np.array([sheet.tear])}
+    own |= _in_fixed_point({name: own[name] for name in ROUNDED_ALONG})
+    return own | ({INFEASIBLE: sheet.infeasible} if len(sheet.infeasible) else {})
+
+
+def _image_tensors(image: SheetImage | None, written: Mapping[str, int]) -> dict[str, NDArray[Any]]:
+    assert image is not None
+    return {
+        IMAGE_OF: np.array([written[image.of]], dtype=np.int32),
+        "image_places": image.places.astype(np.int32),
+        "image_signs": image.signs,
+    }
 
 
 def _levelled(bounds: Array, levels: Array | None) -> NDArray[Any]:
@@ -92,9 +112,11 @@ def parse_atlas(content: bytes, axes: Sequence[str], gaits: int, layout: Layout,
     count = int(file.array("sheets", (1,), np.int32)[0])
     if not 0 <= count <= MAX_SHEETS:
         file.refuse("sheets", f"= {count}: must be 0 to {MAX_SHEETS}")
-    optional = {f"{number}.{INFEASIBLE}" for number in range(count)} & set(file.tensors)
-    exponents = {f"{number}.{name}{EXPONENTS}" for number in range(count) for name in ROUNDED_ALONG}
-    required = {f"{number}.{name}" for number in range(count) for name in _NAMES}
+    images = {number for number in range(count) if f"{number}.{IMAGE_OF}" in file.tensors}
+    others = sorted(set(range(count)) - images)
+    optional = {f"{number}.{INFEASIBLE}" for number in others} & set(file.tensors)
+    exponents = {f"{number}.{name}{EXPONENTS}" for number in others for name in ROUNDED_ALONG}
+    required = {f"{number}.{name}" for number in range(count) for name in (_IMAGE if number in images else _NAMES)}
     file.expect(
         {"axes", "steps", "barrier", "sheets"} | required | optional | (exponents | {LEVELS}) & set(file.tensors)
     )
@@ -107,11 +129,12 @@ def parse_atlas(content: bytes, axes: Sequence[str], gaits: int, layout: Layout,
     steps = file.array("steps", (len(axes),), np.float64)
     if (steps < 1e-9).any():
         file.refuse("steps", "must be positive")
-    for name, places in (("nodes", [f"{number}.tasks" for number in range(count)]), ("infeasible places", optional)):
+    for name, places in (("nodes", [f"{number}.tasks" for number in others]), ("infeasible places", optional)):
         if (found_places := sum(map(file.length, places))) > MAX_NODES:
             file.refuse("the atlas", f"has {found_places} {name}: more than {MAX_NODES}")
-    sheets = tuple(_sheet(file, number, found, barrier, gaits, layout, rows) for number in range(count))
-    return Atlas(found, steps, barrier, sheets)
+    sheets = {number: _sheet(file, number, found, barrier, gaits, layout, rows) for number in others}
+    sheets |= {number: _image(file, number, sheets, found, barrier, gaits, layout, rows) for number in sorted(images)}
+    return Atlas(found, steps, barrier, tuple(sheets[number] for number in range(count)))
 
 
 def parse_space(file: TensorFile, prefix: str, layout: Layout, rows: int) -> GaitSpace:
@@ -191,6 +214,30 @@ def _sheet(
         tear=tear,
         infeasible=_tasks(file, without, axes, name) if without in file.tensors else np.zeros((0, a)),
     )
+
+
+def _image(
+    file: TensorFile,
+    number: int,
+    others: Mapping[int, Sheet],
+    axes: tuple[str, ...],
+    barrier: float,
+    gaits: int,
+    layout: Layout,
+    rows: int,
+) -> Sheet:
+    own, name = str(number), f"sheet {number}"
+    gait, pattern = parse_gait(file, own, gaits), parse_pattern(file, own, layout)
+    space, of = parse_space(file, own, layout, rows), int(file.array(f"{own}.{IMAGE_OF}", (1,), np.int32)[0])
+    if of not in others:
+        file.refuse(name, f"is the image of sheet {of}, which is not there or an image itself")
+    size = Condenser(space, barrier).size
+    places = file.array(f"{own}.image_places", (size,), np.int32)
+    signs = file.array(f"{own}.image_signs", (size,), np.int8)
+    if len(others[of].mean) != size or (np.sort(places) != np.arange(size)).any() or (np.abs(signs) != 1).any():
+        file.refuse(name, f"is no image of sheet {of}: its numbers do not follow from the other's, each from one")
+    image = SheetImage(others[of].pattern, places.astype(np.intp), signs)
+    return imaged(others[of], image, gait, pattern, space, signs_of(axes))
 
 
 def _single(file: TensorFile, own: str, name: str, shape: tuple[int, ...]) -> NDArray[np.float32]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from gaitflow.atlas import fill
+from gaitflow.atlas.compress import build_atlas, cost_atlas
 from gaitflow.atlas.grow import Growth
 from gaitflow.atlas.mirror import NodeImages
 from gaitflow.atlas.node import Node, NodeSolver
@@ -17,6 +19,7 @@ from gaitflow.core.domain import Domain
 from gaitflow.core.gaits import Pattern
 from gaitflow.dataset.mirror import MirrorImage
 from gaitflow.problem import transcribe
+from gaitflow.runtime.atlas_file import atlas_bytes, parse_atlas
 from gaitflow.search import starts
 from gaitflow.solvers.fixed_gait import FixedGaitSolver, Start
 
@@ -81,6 +84,50 @@ def test_a_growth_stores_the_image_of_each_node_without_a_solve() -> None:
     assert growth.keep(0, _node())
     assert list(growth.nodes[0]) == [PLACE] and list(growth.nodes[1]) == [(0.4, -0.2, -0.5, 0.6)]
     assert _solver().solves == before and growth.best[0.4, -0.2, -0.5, 0.6] == _node().cost
+
+
+def _pair() -> Growth:
+    """A pattern with two nodes, and its image's."""
+    ranges = {"speed": (0.3, 0.5), "lateral_speed": (-0.3, 0.3), "yaw_rate": (-0.6, 0.6), "cycle_duration": (0.5, 0.7)}
+    growth = Growth(_solver().problem, _solver(), Domain(ranges, np.ones((2, 2, 2, 2), dtype=bool)), images=_images())
+    beside = (0.45, 0.2, 0.5, 0.6)
+    for node in (_node(), _solver().node(0, beside, _node().moved(beside))):
+        assert growth.keep(0, node)
+    growth.give_up(0, (0.5, 0.3, 0.6, 0.5))
+    return growth
+
+
+def test_the_sheet_of_an_image_has_the_image_s_nodes() -> None:
+    growth = _pair()
+    atlas = build_atlas(growth, [0, 1])
+    one, other = atlas.sheets
+    assert one.image is None and other.image is not None and other.image.of == WALK.text
+    assert (other.pattern, other.gait) == (IMAGE.text, 1)
+    assert other.infeasible.tolist() == [[0.5, -0.3, -0.6, 0.5]] and one.infeasible.tolist() == [[0.5, 0.3, 0.6, 0.5]]
+    for place, node in growth.nodes[1].items():
+        predicted = atlas.predict(1, np.array(place))
+        assert predicted is not None and predicted.cost == pytest.approx(node.cost, rel=1e-6)
+        np.testing.assert_allclose(predicted.point, node.point, atol=0.05)
+        free = len(other.space.free)
+        np.testing.assert_allclose(predicted.point[:free], node.point[:free], atol=1e-3)
+        near = np.array(place) + np.array([0.01, -0.02, -0.03, 0.01])
+        whole = cost_atlas(growth, [0, 1]).costs(near)
+        np.testing.assert_allclose(atlas.costs(near), whole, rtol=1e-9)
+
+
+def test_a_file_has_the_numbers_of_an_image_once() -> None:
+    atlas, problem = build_atlas(_pair(), [0, 1]), _solver().problem
+    content = atlas_bytes(atlas)
+    alone = atlas_bytes(replace(atlas, sheets=(replace(atlas.sheets[1], image=None),)))
+    assert len(content) < 1.5 * len(alone)
+    read = parse_atlas(content, AXES, 2, problem.layout, problem.ng, "atlas")
+    assert atlas_bytes(read) == content
+    for name in ("tasks", "slopes", "mean", "modes", "coordinates", "tangents", "infeasible"):
+        np.testing.assert_array_equal(getattr(read.sheets[1], name), getattr(atlas.sheets[1], name))
+    of_image = atlas_bytes(read.of([1]))
+    [whole] = parse_atlas(of_image, AXES, 1, problem.layout, problem.ng, "atlas").sheets
+    assert whole.image is None, "without the other sheet its numbers are written out"
+    np.testing.assert_array_equal(whole.modes, atlas.sheets[1].modes)
 
 
 def test_of_a_cell_and_its_image_one_is_tested() -> None:
