@@ -25,7 +25,7 @@ FURTHER_AXIS = 3  # times as many on three axes and more
 FEWER_WIDE = 2  # times fewer over more axes than three, where a test that fails has most neighbours to spread to
 FEWER_OF_ENERGY = 3  # times fewer: energy's derivatives take three times as long
 GOOD = 8  # iterations that a prediction may need
-LIMIT = 18  # iterations beyond which a prediction led nowhere
+LIMIT = 18  # iterations beyond which a prediction led nowhere; over more axes than three no fewer are asked for
 WRONG = 0.02  # relative error of a predicted cost that is not good
 LEAST_ERROR = 1e-6  # of what took too many iterations
 RIVAL = 1.1  # times the least predicted cost: what may cost less might be the cheapest
@@ -130,8 +130,9 @@ def _errors(
     for (number, rival), outcome in zip(asked, growth.solver.refinements(starts, LIMIT), strict=True):
         if outcome.converged and outcome.cost > 0:
             found[number][rival] = outcome
+    good = LIMIT if growth.is_wide else GOOD
     errors = [
-        _error(first, known, outcomes, tie_tolerance)
+        _error(first, known, outcomes, tie_tolerance, good)
         for (first, _), known, outcomes in zip(rivals, predicted, found, strict=True)
     ]
     wrong = [
@@ -151,15 +152,18 @@ def _predicted(atlas: Atlas, rival: int, place: Place) -> Prediction:
 
 
 def _error(
-    first: int, predicted: Mapping[int, Prediction], found: Mapping[int, Outcome], tie_tolerance: float
+    first: int, predicted: Mapping[int, Prediction], found: Mapping[int, Outcome], tie_tolerance: float, iterations: int
 ) -> float:
-    """How wrong the predicted costs of rivals are at a place, given what was found there; `first` is the pick."""
+    """How wrong the predicted costs of rivals are at a place, given what was found there; `first` is the pick.
+
+    `iterations` are those that a good prediction may need.
+    """
     if first not in found:
         return float("inf")
     chosen = found[first]
     off = abs(predicted[first].cost / chosen.cost - 1)
     regret = chosen.cost / min(one.cost for one in found.values()) - 1
-    good = off <= WRONG and chosen.iterations <= GOOD and regret <= tie_tolerance
+    good = off <= WRONG and chosen.iterations <= iterations and regret <= tie_tolerance
     return 0.0 if good else float(max(off, regret, LEAST_ERROR))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from gaitflow.atlas.grow import Growth, grow
 from gaitflow.atlas.node import Place
 from gaitflow.core.domain import Domain
 from gaitflow.core.gaits import Pattern
-from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.atlas import Atlas, Prediction
 
 
 @pytest.fixture
@@ -46,6 +47,15 @@ def test_an_axis_of_one_value_has_no_middle() -> None:
     domain = Domain({"speed": (0.5, 0.9), "cycle_duration": (0.6,)}, np.ones((2, 1), dtype=bool))
     growth = grow(tiny_problem(), [], [], domain)
     assert fill_module._cells(growth) == [Cell((0.7, 0.6), (0.2, 0.0))]
+
+
+@pytest.mark.parametrize(("iterations", "allowed", "good"), [(8, 8, True), (9, 8, False), (9, 18, True)])
+def test_a_start_that_needs_more_iterations_than_allowed_is_not_good(iterations: int, allowed: int, good: bool) -> None:
+    predicted = {0: Prediction(1.0, np.zeros(1))}
+    found = {0: SimpleNamespace(cost=1.001, iterations=iterations)}
+    error = fill_module._error(0, predicted, found, 1e-3, allowed)  # type: ignore[arg-type]
+    assert (error == 0) is good
+    assert fill_module._error(0, predicted, {}, 1e-3, allowed) == np.inf, "a start that led nowhere"
 
 
 def test_nodes_are_added_only_where_a_prediction_failed(growth: Growth, monkeypatch: pytest.MonkeyPatch) -> None:
