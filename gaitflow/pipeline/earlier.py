@@ -25,7 +25,7 @@ class StageMissing(RuntimeError):
 def atlas_of(run: Run, scenario: Scenario) -> tuple[Atlas, list[str]]:
     """The atlas of a run, and the names of its gaits."""
     from gaitflow.problem import transcribe
-    from gaitflow.runtime.atlas_file import parse_atlas
+    from gaitflow.runtime.atlas_reader import parse_atlas
 
     gaits: list[str] = read_json(run.atlas_record)["gaits"]
     problem, content = transcribe(scenario), run.atlas.read_bytes()

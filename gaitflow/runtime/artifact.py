@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from gaitflow.runtime.atlas import Atlas
-from gaitflow.runtime.atlas_file import parse_atlas
+from gaitflow.runtime.atlas_reader import parse_atlas
 from gaitflow.runtime.classifier import Classifier
 from gaitflow.runtime.files import ATLAS, CLASSIFIER, WARM_STARTS, read_checked
 from gaitflow.runtime.legacy_atlas import parse_gridded_atlas

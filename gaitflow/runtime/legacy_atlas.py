@@ -13,15 +13,8 @@ from gaitflow.core.layout import Layout
 from gaitflow.core.task_space import MAIN_AXES
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, Sheet
-from gaitflow.runtime.atlas_file import (
-    BOUNDS,
-    MAX_MODES,
-    MAX_NODES,
-    MAX_SHEETS,
-    parse_gait,
-    parse_pattern,
-    parse_space,
-)
+from gaitflow.runtime.atlas_file import BOUNDS
+from gaitflow.runtime.atlas_reader import MAX_MODES, MAX_NODES, MAX_SHEETS, parse_gait, parse_pattern, parse_space
 from gaitflow.runtime.tensor_file import TensorFile
 
 MAX_AXIS = 2000
@@ -30,7 +23,7 @@ _NAMES = ("gait", "pattern", *BOUNDS, "places", "costs", "mean", "modes", "coord
 
 
 def parse_gridded_atlas(content: bytes, gaits: int, layout: Layout, rows: int, where: str) -> Atlas:
-    """The atlas in a file's bytes, checked as `atlas_file.parse_atlas` does. Raises ArtifactError."""
+    """The atlas in a file's bytes, checked as `atlas_reader.parse_atlas` does. Raises ArtifactError."""
     file = TensorFile.parse(content, where)
     count = int(file.array("sheets", (1,), np.int32)[0])
     if not 0 <= count <= MAX_SHEETS:

@@ -8,7 +8,8 @@ import pytest
 from gaitflow.atlas.compress import _modes, _tear, _without_strays, build_atlas
 from gaitflow.atlas.grow import Growth
 from gaitflow.atlas.node import BARRIER
-from gaitflow.runtime.atlas_file import atlas_bytes, parse_atlas
+from gaitflow.runtime.atlas_file import atlas_bytes
+from gaitflow.runtime.atlas_reader import parse_atlas
 from gaitflow.runtime.condensed import Condenser
 
 EVERYTHING = 10**9

@@ -19,7 +19,8 @@ from gaitflow.core.domain import Domain
 from gaitflow.core.gaits import Pattern
 from gaitflow.dataset.mirror import MirrorImage
 from gaitflow.problem import transcribe
-from gaitflow.runtime.atlas_file import atlas_bytes, parse_atlas
+from gaitflow.runtime.atlas_file import atlas_bytes
+from gaitflow.runtime.atlas_reader import parse_atlas
 from gaitflow.search import starts
 from gaitflow.solvers.fixed_gait import FixedGaitSolver, Start
 

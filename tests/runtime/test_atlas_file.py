@@ -16,12 +16,10 @@ from gaitflow.runtime.atlas_file import (
     BOUNDS,
     EXPONENTS,
     LEVELS,
-    MAX_MODES,
-    MAX_SHEETS,
     ROUNDED_ALONG,
     atlas_bytes,
-    parse_atlas,
 )
+from gaitflow.runtime.atlas_reader import MAX_MODES, MAX_SHEETS, parse_atlas
 from gaitflow.runtime.condensed import Condenser
 from gaitflow.runtime.fixed_point import WHOLE, rounded, single
 from gaitflow.runtime.sheet_image import SheetImage, imaged
@@ -346,6 +344,6 @@ def test_more_than_memory_is_for_is_refused(monkeypatch: pytest.MonkeyPatch) -> 
     many = replace(flat(), modes=np.zeros((MAX_MODES + 1, flat().space.size), dtype=np.float32))
     with pytest.raises(ArtifactError, match=r"513 modes"):
         parse(atlas_bytes(atlas(many)))
-    monkeypatch.setattr("gaitflow.runtime.atlas_file.MAX_NODES", 26)
+    monkeypatch.setattr("gaitflow.runtime.atlas_reader.MAX_NODES", 26)
     with pytest.raises(ArtifactError, match=r"the atlas has 27 nodes: more than 26"):
         parse(CONTENT)
