@@ -42,8 +42,9 @@ from gaitflow.runtime.sheet_image import SheetImage
 from gaitflow.solvers.point import GaitSpace
 
 SUPPORT = 0.7  # of a cost that is believed: the nodes' centre is at most 0.45 steps off
-TRIED = SUPPORT / 2  # of a cost that a plan tries to reach: half of the gaits that were missed are not believed
-DOUBT = 0.25  # of the spread of the nodes' promises: a cost is seldom further below its prediction
+TRIED = SUPPORT / 2  # of a cost that a plan tries to reach: half of the gaits that were missed are not believed;
+HARDLY_TRIED, HARDLY = 0.1, 2.0  # or from this on, where even so many times the prediction would be cheaper
+DOUBT = 0.7  # of the spread of the nodes' promises: a cost is seldom further below its prediction
 LARGEST_LOG = 200.0  # of a cost, so that it and its products with stored numbers are finite
 
 
@@ -180,10 +181,11 @@ class Atlas:
         return [self._prediction(chosen, float(log), one) for log, one in zip(logs, moved, strict=True)]
 
     def least_costs(self, place: Array) -> Array:
-        """What each sheet may cost at a place at the least, the problem's; infinite below a support of TRIED.
+        """What each sheet may cost at a place at the least, the problem's; infinite below a support of HARDLY_TRIED.
 
         A prediction is as good as its nodes agree: what it may be off by is DOUBT times the standard deviation, with
-        the nodes' weights by distance alone, of the logarithms that they promise, each by its whole tangent.
+        the nodes' weights by distance alone, of the logarithms that they promise, each by its whole tangent. Below a
+        support of TRIED the prediction counts HARDLY times.
         """
         (costs, support), count = self.costs(place), len(self.sheets)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -191,7 +193,8 @@ class Atlas:
             total = np.bincount(near.owner, near.weights, count)
             mean = np.bincount(near.owner, near.weights * near.promises, count) / total
             squares = np.bincount(near.owner, near.weights * (near.promises - mean[near.owner]) ** 2, count)
-            return np.where(support < TRIED, np.inf, costs * np.exp(-DOUBT * np.sqrt(squares / total)))
+            least = np.where(support < TRIED, HARDLY * costs, costs * np.exp(-DOUBT * np.sqrt(squares / total)))
+            return np.where(support < HARDLY_TRIED, np.inf, least)
 
     def _prediction(self, sheet: Sheet, log: float, coordinates: Array) -> Prediction:
         cost = float(np.exp(np.clip(log, -LARGEST_LOG, LARGEST_LOG)))

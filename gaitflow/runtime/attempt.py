@@ -17,6 +17,7 @@ from gaitflow.runtime.manifest import Manifest
 from gaitflow.solvers.options import CONVERGED
 
 FAST, FALLBACK = "fast", "fallback"
+STARTS = 3  # of a candidate, at most
 NOT_CONVERGED = "not converged"  # what is no status of CONVERGED
 
 
@@ -75,7 +76,7 @@ class GaitRefiner(ABC):
         self.manifest, self.atlas = manifest, atlas
 
     @abstractmethod
-    def fast(self, candidate: Candidate, task: Task, most: int = 3) -> Attempt:
+    def fast(self, candidate: Candidate, task: Task, most: int = STARTS) -> Attempt:
         """Solve for a task by Newton steps from at most `most` starts."""
 
     @abstractmethod

@@ -16,7 +16,7 @@ from gaitflow.core.errors import ArtifactError
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.artifact import Artifact
-from gaitflow.runtime.attempt import FAST, NOT_CONVERGED, Attempt, Candidate, GaitRefiner, Run
+from gaitflow.runtime.attempt import FAST, NOT_CONVERGED, STARTS, Attempt, Candidate, GaitRefiner, Run
 from gaitflow.runtime.files import LIMITS, MANIFEST, read_limited
 from gaitflow.runtime.refine import Refiner
 from gaitflow.solvers.options import CONVERGED
@@ -91,7 +91,7 @@ class CompiledRefiner(GaitRefiner):
         self._library, self._handle, self._slow = library, handle, slow
         weakref.finalize(self, library.finish, handle)
 
-    def fast(self, candidate: Candidate, task: Task, most: int = 3) -> Attempt:
+    def fast(self, candidate: Candidate, task: Task, most: int = STARTS) -> Attempt:
         """As `Refiner.fast`."""
         started = time.perf_counter()
         w = np.zeros(self.manifest.layout.nw)

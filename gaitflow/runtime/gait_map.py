@@ -165,7 +165,8 @@ class GaitMap:
 
         The gait that `select` names is tried first. Gaits that the atlas does not know at this task come last, by their
         probability. If none of a gait's patterns that the atlas knows here leads to a feasible motion, the next gait
-        is tried, `top` gaits at most; `Plan.path` and `Plan.tried` say so. With `gait` only that gait is tried. An axis
+        is tried, `top` gaits at most. Others that may cost less than what was found are tried as well. `Plan.path` and
+        `Plan.tried` say so. With `gait` only that gait is tried. An axis
         that is left out is chosen as `select` does, for that gait. `beyond` plans outside the map's domain as well; the
         motion is checked all the same, and `Plan.feasible` has the verdict.
 
@@ -185,14 +186,13 @@ class GaitMap:
         place = self._place(values)
         probabilities = self._probabilities(place)
         candidates = self._candidates(place, probabilities)
-        first = list(dict.fromkeys(each.gait for each in candidates))[:top] if forced is None else [forced]
         ranked = [
             (each, self.manifest.gaits[each.gait], probabilities[each.gait])
             for each in candidates
-            if each.gait in first
+            if forced in (None, each.gait)
         ]
         task = self.manifest.space.task({axis: values[axis] for axis in self.axes})
-        plan = refine_ranked(refiner, ranked, Asked(task, values, inside, domain.distance(values), started))
+        plan = refine_ranked(refiner, ranked, Asked(task, values, inside, domain.distance(values), started), top)
         return replace(plan, scenario=self.manifest.scenario, chosen=chosen)
 
     def switch(self, motion: Motion | Journey, other: Motion, after: float = 0.0) -> Journey:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -17,12 +17,13 @@ from gaitflow.core.task_space import TaskSpace
 from gaitflow.core.trajectory import Trajectory
 from gaitflow.motion import Frames, Motion, Point
 from gaitflow.motion.motion import SWING_APEX
-from gaitflow.runtime.attempt import Attempt, Candidate, GaitRefiner
+from gaitflow.runtime.attempt import STARTS, Attempt, Candidate, GaitRefiner
 from gaitflow.runtime.left_out import ChosenValue
 from gaitflow.runtime.manifest import Gait
 
 TOP = 5  # gaits that a plan tries unless it is told otherwise
 LEAST_SAVING = 1e-3  # relative cost that another candidate must promise, and come, to save
+GREAT_SAVING = 0.5  # relative cost for which it is solved from every start, as the first one is
 
 
 @dataclass(frozen=True)
@@ -115,17 +116,20 @@ class Asked:
     started: float
 
 
-def refine_ranked(refiner: GaitRefiner, ranked: Sequence[tuple[Candidate, Gait, float]], asked: Asked) -> Plan:
+def refine_ranked(
+    refiner: GaitRefiner, ranked: Sequence[tuple[Candidate, Gait, float]], asked: Asked, top: int = TOP
+) -> Plan:
     """Refine the candidates (candidate, gait, probability) in order until one converges to a feasible motion.
 
-    Those behind it that may cost less than that came to are refined as well, and the cheapest one is taken if it does:
-    before a cliff of the cost and across its kinks predictions are far off, and their nodes disagree.
+    Only those of the first `top` gaits are tried so. Then all others that may cost less than that came to are refined
+    as well, and the cheapest one is taken if it does: before a cliff of the cost and across its kinks predictions are
+    far off, and their nodes disagree.
     IPOPT is asked only when the fast method has failed for all of them, once a gait: where the first gait has no
     motion, as beyond its longest stride, it takes a second to find that out, and a planner cannot wait for it.
     """
     selected = time.perf_counter()
     candidates = [candidate for candidate, _, _ in ranked]
-    attempts = list(_attempts(refiner, candidates, asked.task))
+    attempts = list(_attempts(refiner, candidates, asked.task, top))
     best, attempt = min(attempts, key=_merit)
     first, solved = next((each for each in attempts if each[1].refined), (best, attempt))
     if attempt.cost > solved.cost * (1 - LEAST_SAVING):  # of gaits that tie, the one that `select` names
@@ -154,14 +158,18 @@ def refine_ranked(refiner: GaitRefiner, ranked: Sequence[tuple[Candidate, Gait, 
     )
 
 
-def _attempts(refiner: GaitRefiner, candidates: Sequence[Candidate], task: Task) -> Iterator[tuple[int, Attempt]]:
-    for place, candidate in enumerate(candidates):
-        attempt = refiner.fast(candidate, task)
+def _attempts(
+    refiner: GaitRefiner, candidates: Sequence[Candidate], task: Task, top: int
+) -> Iterator[tuple[int, Attempt]]:
+    gaits = list(dict.fromkeys(candidate.gait for candidate in candidates))[:top]
+    places = [place for place, candidate in enumerate(candidates) if candidate.gait in gaits]
+    for number, place in enumerate(places):
+        attempt = refiner.fast(candidates[place], task)
         yield place, attempt
         if attempt.refined:
-            yield from _cheaper(refiner, candidates, place, attempt.cost, task)
+            yield from _cheaper(refiner, candidates, set(places[: number + 1]), attempt.cost, task)
             return
-    first = {candidate.gait: place for place, candidate in reversed(list(enumerate(candidates)))}
+    first = {candidates[place].gait: place for place in reversed(places)}
     for place in sorted(first.values()):
         attempt = refiner.fallback(candidates[place], task)
         yield place, attempt
@@ -170,12 +178,14 @@ def _attempts(refiner: GaitRefiner, candidates: Sequence[Candidate], task: Task)
 
 
 def _cheaper(
-    refiner: GaitRefiner, candidates: Sequence[Candidate], solved: int, cost: float, task: Task
+    refiner: GaitRefiner, candidates: Sequence[Candidate], tried: Set[int], cost: float, task: Task
 ) -> Iterator[tuple[int, Attempt]]:
-    """One try for each candidate behind the solved one that may cost less than the cheapest so far."""
-    for place, least in enumerate(refiner.least(candidates[solved + 1 :], task), solved + 1):
-        if least < cost * (1 - LEAST_SAVING):
-            attempt = refiner.fast(candidates[place], task, most=1)
+    """An attempt for each candidate left that may cost less than the cheapest so far, the most promising first."""
+    least = refiner.least(candidates, task)
+    for place in sorted(range(len(candidates)), key=least.__getitem__):
+        if place not in tried and least[place] < cost * (1 - LEAST_SAVING):
+            most = STARTS if least[place] < cost * (1 - GREAT_SAVING) else 1
+            attempt = refiner.fast(candidates[place], task, most)
             yield place, attempt
             if attempt.refined:
                 cost = min(cost, attempt.cost)

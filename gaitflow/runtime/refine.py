@@ -15,7 +15,7 @@ import numpy as np
 
 from gaitflow.core.task import Task
 from gaitflow.runtime.atlas import Atlas
-from gaitflow.runtime.attempt import FALLBACK, FAST, NOT_CONVERGED, Attempt, Candidate, GaitRefiner, Run
+from gaitflow.runtime.attempt import FALLBACK, FAST, NOT_CONVERGED, STARTS, Attempt, Candidate, GaitRefiner, Run
 from gaitflow.runtime.manifest import Manifest
 from gaitflow.runtime.problem import Problem
 from gaitflow.runtime.tensors import GaitTensors
@@ -50,7 +50,7 @@ class Refiner(GaitRefiner):
         for number, sheet in enumerate(atlas.sheets):
             self.method(Candidate(sheet.gait, number))
 
-    def fast(self, candidate: Candidate, task: Task, most: int = 3) -> Attempt:
+    def fast(self, candidate: Candidate, task: Task, most: int = STARTS) -> Attempt:
         """Solve for a task by the fast method: from the prediction, with and without its multipliers, then from a node.
 
         A candidate that the atlas does not know is solved from the mean of its region. `most` is how many tries there

@@ -6,8 +6,9 @@ at once are solved together, in several processes.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Sequence
+from collections.abc import Callable, Generator, Iterable, Sequence, Set
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -15,7 +16,8 @@ from gaitflow.atlas.node import Place, Request
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, Prediction
-from gaitflow.runtime.plan import LEAST_SAVING, TOP
+from gaitflow.runtime.attempt import STARTS
+from gaitflow.runtime.plan import GREAT_SAVING, LEAST_SAVING, TOP
 from gaitflow.runtime.refine import LIMIT, SINGLE_LIMIT
 from gaitflow.sampling.making import MapInMaking
 from gaitflow.search.attempts import best_of, until_feasible
@@ -74,28 +76,41 @@ def solves(atlas: Atlas, place: Place, patterns: Sequence[int]) -> Solves:
     `patterns` are the numbers by which the atlas' sheets are solved.
     """
     asked = np.array(place)
-    candidates = _of_first_gaits(atlas, atlas.by_cost(asked))
-    for number, sheet in enumerate(candidates):
-        cost = None
-        for start in _starts(atlas, sheet, asked):
-            cost = yield (patterns[sheet], place, start), LIMIT
-            if cost is not None:
-                break
-        if cost is None:
-            continue
-        best, least = Planned(atlas.sheets[sheet].gait, cost), atlas.least_costs(asked)
-        for rival in candidates[number + 1 :]:
-            if least[rival] < best.cost * (1 - LEAST_SAVING):
-                cost = yield (patterns[rival], place, next(_starts(atlas, rival, asked))), SINGLE_LIMIT
-                if cost is not None and cost < best.cost * (1 - LEAST_SAVING):
-                    best = Planned(atlas.sheets[rival].gait, cost)
-        return best
+    candidates = atlas.by_cost(asked)
+    gaits = list(dict.fromkeys(atlas.sheets[sheet].gait for sheet in candidates))[:TOP]
+    tried = set[int]()
+    for sheet in (sheet for sheet in candidates if atlas.sheets[sheet].gait in gaits):
+        tried.add(sheet)
+        cost = yield from _solved(atlas, sheet, asked, patterns, STARTS)
+        if cost is not None:
+            return (yield from _cheapest(atlas, Planned(atlas.sheets[sheet].gait, cost), tried, asked, patterns))
     return None
 
 
-def _of_first_gaits(atlas: Atlas, sheets: Sequence[int]) -> list[int]:
-    first = list(dict.fromkeys(atlas.sheets[sheet].gait for sheet in sheets))[:TOP]
-    return [sheet for sheet in sheets if atlas.sheets[sheet].gait in first]
+def _cheapest(
+    atlas: Atlas, first: Planned, tried: Set[int], asked: Array, patterns: Sequence[int]
+) -> Generator[Asked, float | None, Planned]:
+    """The plan that was found first, or another one that is cheaper, where one may be."""
+    best, least = first, atlas.least_costs(asked)
+    for rival in np.argsort(least, kind="stable").tolist():
+        if rival not in tried and least[rival] < best.cost * (1 - LEAST_SAVING):
+            most = STARTS if least[rival] < best.cost * (1 - GREAT_SAVING) else 1
+            cost = yield from _solved(atlas, rival, asked, patterns, most)
+            if cost is not None and cost < best.cost * (1 - LEAST_SAVING):
+                best = Planned(atlas.sheets[rival].gait, cost)
+    return best
+
+
+def _solved(
+    atlas: Atlas, sheet: int, asked: Array, patterns: Sequence[int], most: int
+) -> Generator[Asked, float | None, float | None]:
+    """The cost of the motion that one of `most` starts leads to."""
+    limit = SINGLE_LIMIT if most == 1 else LIMIT
+    for start in islice(_starts(atlas, sheet, asked), most):
+        cost = yield (patterns[sheet], tuple(asked.tolist()), start), limit
+        if cost is not None:
+            return cost
+    return None
 
 
 def _starts(atlas: Atlas, sheet: int, asked: Array) -> Generator[Prediction, None, None]:

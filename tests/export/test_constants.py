@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from gaitflow.core import check
-from gaitflow.runtime import condensed, gait_map, plan, refine
+from gaitflow.runtime import atlas, attempt, condensed, gait_map, plan, refine
 from gaitflow.solvers import interior_point, kkt, point
 
 CONSTANTS = {
@@ -27,11 +27,13 @@ CONSTANTS = {
     "point.hpp": {"largest_log": point.LARGEST_LOG},
     "condensed.hpp": {"largest_log": condensed.LARGEST_LOG},
     "starts.hpp": {
+        "most": attempt.STARTS,
         "primal_barrier": refine.PRIMAL_BARRIER, "node_barrier": refine.NODE_BARRIER,
         "mean_barrier": refine.MEAN_BARRIER, "least_cost": refine.LEAST_COST,
     },
     "refine.hpp": {"feasible_within": check.FEASIBLE, "limit": refine.LIMIT, "single_limit": refine.SINGLE_LIMIT},
-    "planner.hpp": {"least_saving": plan.LEAST_SAVING},
+    "planner.hpp": {"least_saving": plan.LEAST_SAVING, "great_saving": plan.GREAT_SAVING},
+    "atlas.hpp": {"hardly_tried": atlas.HARDLY_TRIED, "hardly": atlas.HARDLY},
     "gait_map.hpp": {"farthest": gait_map.FARTHEST},
 }  # fmt: skip
 

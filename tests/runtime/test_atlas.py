@@ -10,7 +10,7 @@ from sheets import AXES, STEPS, Values, atlas, grid, sheet, sheet_of
 from tiny_map import TinyMap
 
 from gaitflow.atlas.grow import Growth
-from gaitflow.runtime.atlas import DOUBT, SUPPORT, TRIED, Atlas, Sheet
+from gaitflow.runtime.atlas import DOUBT, HARDLY, HARDLY_TRIED, SUPPORT, TRIED, Atlas, Sheet
 from gaitflow.runtime.nearby import REACH
 
 inner = st.tuples(st.floats(1.0, 3.0), st.floats(1.0, 3.0))
@@ -175,13 +175,14 @@ def test_across_a_kink_a_cost_may_be_less_by_as_much_as_nodes_disagree(left: flo
     assert np.log(made.least_costs(half_way)) == pytest.approx(np.log(costs) - [DOUBT * spread, 0], abs=1e-6)
 
 
-def test_with_less_than_half_a_belief_nothing_is_promised() -> None:
-    made = atlas(sheet_of(*constant(1.0), places=[(0, 0), (0, 1)]))
-    for away, promised in ((0.1, np.e), (0.8, np.e), (1.2, np.inf)):
-        place = np.array([away, 0.5]) * STEPS
-        assert made.least_costs(place) == pytest.approx([promised])
-        assert (made.costs(place)[1][0] >= TRIED) == np.isfinite(promised)
-    assert made.least_costs(np.array([9.0, 0.5]) * STEPS) == [np.inf]
+@pytest.mark.parametrize(
+    ("away", "support", "promised"),
+    [(0.1, SUPPORT, np.e), (0.8, TRIED, np.e), (1.2, HARDLY_TRIED, HARDLY * np.e), (1.45, 0.0, np.inf), (9, 0, np.inf)],
+)
+def test_with_less_support_less_is_promised(away: float, support: float, promised: float) -> None:
+    made, place = atlas(sheet_of(*constant(1.0), places=[(0, 0), (0, 1)])), np.array([away, 0.5]) * STEPS
+    assert made.costs(place)[1][0] >= support
+    assert made.least_costs(place) == pytest.approx([promised])
 
 
 def test_nearest_nodes_come_nearest_first_by_their_tangents() -> None:

@@ -389,6 +389,33 @@ def test_all_that_may_be_cheaper_are_looked_at(
     assert scripted.calls == [FAST_0, *(("look", look) for look in looks)]
 
 
+def test_what_may_save_half_is_looked_at_first_and_from_every_start(gait_map: GaitMap) -> None:
+    walking, gallop = gait_map.gaits
+    ranked = [(Candidate(0, 0), walking, 0.5), (Candidate(0, 1), walking, 0.5), (Candidate(1, 2), gallop, 0.4)]
+    scripted = Scripted(gait_map, [SOLVED] * 3, [LOST] * 3, (9.0, 9.5, 4.9), (10.0, 11.0, 9.7))
+    plan = refine_ranked(scripted, ranked, Asked(TASK, VALUES, True, 0.0, 0.0))
+    assert (plan.gait, plan.path) == ("gallop", "cheaper:1")
+    assert scripted.calls == [FAST_0, ("fast", 2), ("look", 1)]
+
+
+@pytest.mark.parametrize(
+    ("ends", "gait", "path", "calls"),
+    [
+        ([SOLVED, SOLVED], "gallop", "cheaper:1", [FAST_0, ("look", 1)]),
+        ([LOST, SOLVED], "walking", "failed", [FAST_0, SLOW_0]),
+    ],
+)
+def test_of_gaits_that_are_not_tried_a_cheaper_one_is_looked_at(
+    gait_map: GaitMap, ends: list, gait: str, path: str, calls: list[tuple[str, int]]
+) -> None:
+    walking, gallop = gait_map.gaits
+    ranked = [(Candidate(0, 0), walking, 0.5), (Candidate(1, 1), gallop, 0.4)]
+    scripted = Scripted(gait_map, ends, [LOST, LOST], (np.inf, 9.0), (10.0, 9.5))
+    plan = refine_ranked(scripted, ranked, Asked(TASK, VALUES, True, 0.0, 0.0), top=1)
+    assert (plan.gait, plan.path) == (gait, path)
+    assert scripted.calls == calls
+
+
 @pytest.mark.parametrize(
     ("fast", "fallback", "gait", "path", "calls"),
     [

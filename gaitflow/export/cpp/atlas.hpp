@@ -118,12 +118,13 @@ class AtlasView {
     return found;
   }
 
-  // What a sheet may cost at a place at the least; infinite below half of the support of a cost that is believed. A
-  // prediction is as good as its nodes agree: by `doubt` times the standard deviation of what each promises by its whole
-  // tangent.
+  // What a sheet may cost at a place at the least; infinite with hardly any support. A prediction is as good as its nodes
+  // agree: by `doubt` times the standard deviation of what each promises by its whole tangent. With less than half of the
+  // support of a cost that is believed, it counts twice.
   double least_cost(const Sheet& sheet, const Vector& place) const {
     const SheetCost predicted = cost(sheet, place);
-    if (!(predicted.support >= atlas_.support / 2)) return std::numeric_limits<double>::infinity();
+    if (!(predicted.support >= hardly_tried)) return std::numeric_limits<double>::infinity();
+    if (predicted.support < atlas_.support / 2) return hardly * predicted.cost;
     const Vector asked = in_steps(place);
     double total = 0, mean = 0, squares = 0;
     const std::vector<Near> near = weighed(sheet, asked, total);
@@ -138,6 +139,7 @@ class AtlasView {
 
  private:
   static constexpr double largest_log = 200.0;
+  static constexpr double hardly_tried = 0.1, hardly = 2.0;
   // As in gaitflow/runtime/nearby.py.
   static constexpr double steep = 0.3, odd = 0.1;
   static constexpr int rounds = 2;

@@ -60,10 +60,16 @@ class Planner {
     plan.in_domain = map_.contains(place);
     if (!plan.in_domain) return plan;
     const std::vector<float> probabilities = map_.probabilities(place);
-    Indices gaits;  // in the order of their first candidates
-    const std::vector<Candidate> candidates = first(map_.candidates(place, probabilities), top, only, gaits);
+    std::vector<Candidate> candidates = map_.candidates(place, probabilities);
+    if (only) {
+      const auto other = [&](const Candidate& each) { return &map_.gaits()[each.gait] != only; };
+      candidates.erase(std::remove_if(candidates.begin(), candidates.end(), other), candidates.end());
+    }
     if (candidates.empty()) throw std::invalid_argument("the gait is none of this map's gaits(); take one of those");
-    const std::vector<Attempt> attempts = this->attempts(candidates, place);
+    Indices gaits;  // in the order of their first candidates
+    for (const Candidate& each : candidates)
+      if (number(gaits, each.gait) == gaits.size()) gaits.push_back(each.gait);
+    const std::vector<Attempt> attempts = this->attempts(candidates, gaits, std::max<std::size_t>(top, 1), place);
     const Attempt& solved = *std::min_element(attempts.begin(), attempts.end(), earlier);
     const Attempt& least = *std::min_element(attempts.begin(), attempts.end(), cheaper);
     // Of gaits that tie, the one that `select` names.
@@ -86,34 +92,31 @@ class Planner {
   }
 
  private:
-  static constexpr double least_saving = 1e-3;  // relative cost that another one must promise to save
+  // Relative cost that another one must promise to save, and for which it is solved from every start.
+  static constexpr double least_saving = 1e-3, great_saving = 0.5;
 
-  // The candidates of the gaits that are tried.
-  std::vector<Candidate> first(const std::vector<Candidate>& every, std::size_t top, const Gait* only,
-                               Indices& tried) const {
-    std::vector<Candidate> chosen;
-    for (const Candidate& each : every) {
-      const bool known = std::find(tried.begin(), tried.end(), each.gait) != tried.end();
-      const bool wanted = only ? &map_.gaits()[each.gait] == only : known || tried.size() < std::max<std::size_t>(top, 1);
-      if (wanted && !known) tried.push_back(each.gait);
-      if (wanted) chosen.push_back(each);
-    }
-    return chosen;
-  }
-
-  // The candidates in order until one is refined; then one try for each behind it that may cost less than the cheapest
-  // so far: before a cliff of the cost and across its kinks predictions are far off.
-  std::vector<Attempt> attempts(const std::vector<Candidate>& candidates, const Vector& place) {
+  // The candidates of the first `top` gaits in order until one is refined; then each one left that may cost less than
+  // the cheapest so far, the most promising first: before a cliff of the cost and across its kinks predictions are far
+  // off.
+  std::vector<Attempt> attempts(const std::vector<Candidate>& candidates, const Indices& gaits, std::size_t top,
+                                const Vector& place) {
     std::vector<Attempt> done;
-    auto next = candidates.begin();
-    do {
-      done.push_back(refiner_.fast(*next++, place));
-    } while (!done.back().refined() && next != candidates.end());
+    std::vector<const Candidate*> left;
+    for (const Candidate& each : candidates) {
+      const bool refined = !done.empty() && done.back().refined();
+      if (refined || number(gaits, each.gait) >= top)
+        left.push_back(&each);
+      else
+        done.push_back(refiner_.fast(each, place));
+    }
     if (!done.back().refined()) return done;
+    std::vector<std::pair<double, const Candidate*>> rivals;
+    for (const Candidate* each : left) rivals.emplace_back(refiner_.least(*each, place), each);
+    std::stable_sort(rivals.begin(), rivals.end(), [](const auto& one, const auto& other) { return one.first < other.first; });
     double cost = done.back().cost;
-    for (; next != candidates.end(); ++next) {
-      if (!(refiner_.least(*next, place) < cost * (1 - least_saving))) continue;
-      done.push_back(refiner_.fast(*next, place, 1));
+    for (const auto& [least, rival] : rivals) {
+      if (!(least < cost * (1 - least_saving))) continue;
+      done.push_back(refiner_.fast(*rival, place, least < cost * (1 - great_saving) ? Starts::most : 1));
       if (done.back().refined()) cost = std::min(cost, done.back().cost);
     }
     return done;
