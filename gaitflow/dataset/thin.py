@@ -23,12 +23,13 @@ MULTIPLIER_BITS = 10  # of the mantissa: three digits, half the bytes of single 
 Mask = NDArray[np.bool_]
 
 
-def thin(collected: Path, target: Path, costs: pd.DataFrame, gaits: int, dearer: float) -> Path:
+def thin(collected: Path, target: Path, costs: pd.DataFrame, gaits: int, dearer: float, tasks: float = 1.0) -> Path:
     """Copy a collected file to a size that can be published; the rows stay, most of the motions go.
 
     `costs` are those of its gaits (`gaitflow.dataset.labels.gait_costs`). Of each task's `gaits` cheapest gaits those
     that are at most the share `dearer` dearer than the best keep their motion: the trajectory of their pattern's
-    cheapest solve, and its multipliers to MULTIPLIER_BITS, which is enough to start a solve. Raises ValueError when
+    cheapest solve, and its multipliers to MULTIPLIER_BITS, which is enough to start a solve. Only the share `tasks` of
+    the tasks keep motions, drawn at random among those of one best gait, one of each at least. Raises ValueError when
     `collected` is damaged or not ours, WriteError.
     """
     check_seal(collected)
@@ -36,7 +37,7 @@ def thin(collected: Path, target: Path, costs: pd.DataFrame, gaits: int, dearer:
         record = read_record(file.metadata.metadata, str(collected))
         schema = file.schema_arrow.remove_metadata()
         rows = file.read(columns=scalar_columns(schema.names)).to_pandas()
-        keep = _cheapest_solves(rows, costs[costs["excess"] <= dearer], gaits)
+        keep = _cheapest_solves(rows, _of_some_tasks(costs[costs["excess"] <= dearer], tasks), gaits)
 
         def tables() -> Iterator[pa.Table]:
             start = 0
@@ -69,6 +70,16 @@ def _rounded(column: pa.ListArray) -> pa.Array:
         np.concatenate([[0], np.cumsum(lengths)]).astype(np.int32), mask=np.append(column.is_null(), False)
     )
     return pa.ListArray.from_arrays(offsets, values).cast(column.type)
+
+
+def _of_some_tasks(costs: pd.DataFrame, share: float) -> pd.DataFrame:
+    """The rows of a share of the tasks, of those of each best gait; equal arguments, equal tasks."""
+    task = task_columns(costs.columns)
+    best = costs.sort_values([*task, "excess"], kind="stable").drop_duplicates(task)
+    shuffled = best.sample(frac=1.0, random_state=0)
+    sizes = shuffled.groupby("gait_key")["gait_key"].transform("size")
+    kept = shuffled[shuffled.groupby("gait_key").cumcount() < np.ceil(share * sizes)]
+    return costs.merge(kept[task], on=task)
 
 
 def _cheapest_solves(rows: pd.DataFrame, costs: pd.DataFrame, gaits: int) -> Mask:

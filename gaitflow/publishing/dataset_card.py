@@ -56,9 +56,9 @@ def _motions(facts: DatasetFacts) -> str:
     return f"""## Which rows have a motion
 
 {facts.motions} of the {facts.tables[0].rows} rows of `{facts.tables[0].file}`: those where `base` is not null. Those of
-a task's {KEPT_GAITS} cheapest gaits (fewer where the file would be large) that are at most {KEPT_DEARER:.0%} dearer
-than the best keep their motion, in the pattern that `{GAIT_COSTS}` names, with multipliers to three digits; all
-other rows have nulls there.
+a task's {KEPT_GAITS} cheapest gaits that are at most {KEPT_DEARER:.0%} dearer than the best keep their motion (fewer
+gaits, or those of fewer tasks, where the file would be large), in the pattern that `{GAIT_COSTS}` names, with
+multipliers to three digits; all other rows have nulls there.
 """
 
 

@@ -75,3 +75,19 @@ def test_a_damaged_dataset_is_not_thinned(
     with pytest.raises(ValueError, match="truncated"):
         thin(collected, store.folder / "small.parquet", pd.DataFrame(), gaits=1, dearer=0.1)
     assert not (store.folder / "small.parquet").exists()
+
+
+def test_of_each_best_gait_a_share_of_the_tasks_counts() -> None:
+    best = ["walk"] * 10 + ["trot"] * 3 + ["pace"]
+    rows = [
+        (0.1 * number, 0.5, "sampled", gait, excess)
+        for number, name in enumerate(best)
+        for gait, excess in ((name, 0.0), ("bound", 0.1))
+    ]
+    costs = pd.DataFrame(rows, columns=["speed", "cycle_duration", "split", "gait_key", "excess"])
+    some = module._of_some_tasks(costs, 0.3)
+    left = some[some["excess"] == 0]["gait_key"].value_counts().to_dict()
+    assert left == {"walk": 3, "trot": 1, "pace": 1}
+    assert some.groupby("speed").size().eq(2).all(), "all gaits of a task, or none"
+    pd.testing.assert_frame_equal(module._of_some_tasks(costs, 1.0), costs)
+    pd.testing.assert_frame_equal(module._of_some_tasks(costs, 0.3), some)
