@@ -44,7 +44,7 @@ from gaitflow.solvers.point import GaitSpace
 SUPPORT = 0.7  # of a cost that is believed: the nodes' centre is at most 0.45 steps off
 TRIED = SUPPORT / 2  # of a cost that a plan tries to reach: half of the gaits that were missed are not believed;
 HARDLY_TRIED, HARDLY = 0.1, 2.0  # or from this on, where even so many times the prediction would be cheaper
-DOUBT = 0.7  # of the spread of the nodes' promises: a cost is seldom further below its prediction
+DOUBT = 0.5  # of the spread of the nodes' promises: a cost is seldom further below its prediction
 LARGEST_LOG = 200.0  # of a cost, so that it and its products with stored numbers are finite
 
 

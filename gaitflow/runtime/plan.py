@@ -17,13 +17,13 @@ from gaitflow.core.task_space import TaskSpace
 from gaitflow.core.trajectory import Trajectory
 from gaitflow.motion import Frames, Motion, Point
 from gaitflow.motion.motion import SWING_APEX
-from gaitflow.runtime.attempt import STARTS, Attempt, Candidate, GaitRefiner
+from gaitflow.runtime.attempt import Attempt, Candidate, GaitRefiner
 from gaitflow.runtime.left_out import ChosenValue
 from gaitflow.runtime.manifest import Gait
 
 TOP = 5  # gaits that a plan tries unless it is told otherwise
 LEAST_SAVING = 1e-3  # relative cost that another candidate must promise, and come, to save
-GREAT_SAVING = 0.5  # relative cost for which it is solved from every start, as the first one is
+GREAT_SAVING = 0.5  # relative cost for which it is solved from a second start
 
 
 @dataclass(frozen=True)
@@ -184,7 +184,7 @@ def _cheaper(
     least = refiner.least(candidates, task)
     for place in sorted(range(len(candidates)), key=least.__getitem__):
         if place not in tried and least[place] < cost * (1 - LEAST_SAVING):
-            most = STARTS if least[place] < cost * (1 - GREAT_SAVING) else 1
+            most = 2 if least[place] < cost * (1 - GREAT_SAVING) else 1
             attempt = refiner.fast(candidates[place], task, most)
             yield place, attempt
             if attempt.refined:

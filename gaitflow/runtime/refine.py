@@ -31,7 +31,9 @@ PRIMAL_BARRIER = 1e-2  # the prediction without its multipliers
 NODE_BARRIER = 1e-3
 MEAN_BARRIER = 1e-2
 LIMIT = 60  # iterations of a try: near cliffs some need twice the usual 25, and another start takes as many again
-SINGLE_LIMIT = 30  # of the only try of a candidate that may be cheaper: of 137 plans none came out dearer than with 60
+RIVAL_LIMIT = (
+    30  # of a candidate that may be cheaper and has fewer tries: of 137 plans none came out dearer than with 60
+)
 LEAST_COST = 1e-9
 
 
@@ -58,7 +60,7 @@ class Refiner(GaitRefiner):
         """
         started = time.perf_counter()
         parameters, method = task.parameters, self.method(candidate)
-        tries, limit = self._tries(candidate, method.space, task), SINGLE_LIMIT if most == 1 else LIMIT
+        tries, limit = self._tries(candidate, method.space, task), LIMIT if most >= STARTS else RIVAL_LIMIT
         first = next(tries)
         run = Run(candidate, task, started, time.perf_counter())
         for each in itertools.islice(itertools.chain([first], tries), most):

@@ -18,7 +18,7 @@ from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, Prediction
 from gaitflow.runtime.attempt import STARTS
 from gaitflow.runtime.plan import GREAT_SAVING, LEAST_SAVING, TOP
-from gaitflow.runtime.refine import LIMIT, SINGLE_LIMIT
+from gaitflow.runtime.refine import LIMIT, RIVAL_LIMIT
 from gaitflow.sampling.making import MapInMaking
 from gaitflow.search.attempts import best_of, until_feasible
 from gaitflow.solvers.fixed_gait import FixedGaitSolver
@@ -94,7 +94,7 @@ def _cheapest(
     best, least = first, atlas.least_costs(asked)
     for rival in np.argsort(least, kind="stable").tolist():
         if rival not in tried and least[rival] < best.cost * (1 - LEAST_SAVING):
-            most = STARTS if least[rival] < best.cost * (1 - GREAT_SAVING) else 1
+            most = 2 if least[rival] < best.cost * (1 - GREAT_SAVING) else 1
             cost = yield from _solved(atlas, rival, asked, patterns, most)
             if cost is not None and cost < best.cost * (1 - LEAST_SAVING):
                 best = Planned(atlas.sheets[rival].gait, cost)
@@ -105,7 +105,7 @@ def _solved(
     atlas: Atlas, sheet: int, asked: Array, patterns: Sequence[int], most: int
 ) -> Generator[Asked, float | None, float | None]:
     """The cost of the motion that one of `most` starts leads to."""
-    limit = SINGLE_LIMIT if most == 1 else LIMIT
+    limit = LIMIT if most >= STARTS else RIVAL_LIMIT
     for start in islice(_starts(atlas, sheet, asked), most):
         cost = yield (patterns[sheet], tuple(asked.tolist()), start), limit
         if cost is not None:

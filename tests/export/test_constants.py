@@ -31,7 +31,7 @@ CONSTANTS = {
         "primal_barrier": refine.PRIMAL_BARRIER, "node_barrier": refine.NODE_BARRIER,
         "mean_barrier": refine.MEAN_BARRIER, "least_cost": refine.LEAST_COST,
     },
-    "refine.hpp": {"feasible_within": check.FEASIBLE, "limit": refine.LIMIT, "single_limit": refine.SINGLE_LIMIT},
+    "refine.hpp": {"feasible_within": check.FEASIBLE, "limit": refine.LIMIT, "rival_limit": refine.RIVAL_LIMIT},
     "planner.hpp": {"least_saving": plan.LEAST_SAVING, "great_saving": plan.GREAT_SAVING},
     "atlas.hpp": {"hardly_tried": atlas.HARDLY_TRIED, "hardly": atlas.HARDLY},
     "gait_map.hpp": {"farthest": gait_map.FARTHEST},

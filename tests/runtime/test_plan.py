@@ -268,13 +268,13 @@ class Scripted:
     def _end(self, method: str, candidate: Candidate) -> Attempt:
         number = self._number(candidate)
         self.calls.append((method, number))
-        method = "fast" if method == "look" else method
+        method = "fast" if method.startswith("look") else method
         violation, status = self._ends[method][number]
         trajectory, cost = Trajectory(**self._fields), self._costs[number]
         return Attempt(trajectory, "0110/1100", cost, violation, 7, status, method, 0.5, 1.5)
 
     def fast(self, candidate: Candidate, task: Task, most: int = 3) -> Attempt:
-        return self._end("fast" if most > 1 else "look", candidate)
+        return self._end({1: "look", 2: "look twice", 3: "fast"}[most], candidate)
 
     def least(self, candidates: Sequence[Candidate], task: Task) -> list[float]:
         return [self._least[self._number(each)] for each in candidates]
@@ -389,13 +389,13 @@ def test_all_that_may_be_cheaper_are_looked_at(
     assert scripted.calls == [FAST_0, *(("look", look) for look in looks)]
 
 
-def test_what_may_save_half_is_looked_at_first_and_from_every_start(gait_map: GaitMap) -> None:
+def test_what_may_save_half_is_looked_at_first_and_twice(gait_map: GaitMap) -> None:
     walking, gallop = gait_map.gaits
     ranked = [(Candidate(0, 0), walking, 0.5), (Candidate(0, 1), walking, 0.5), (Candidate(1, 2), gallop, 0.4)]
     scripted = Scripted(gait_map, [SOLVED] * 3, [LOST] * 3, (9.0, 9.5, 4.9), (10.0, 11.0, 9.7))
     plan = refine_ranked(scripted, ranked, Asked(TASK, VALUES, True, 0.0, 0.0))
     assert (plan.gait, plan.path) == ("gallop", "cheaper:1")
-    assert scripted.calls == [FAST_0, ("fast", 2), ("look", 1)]
+    assert scripted.calls == [FAST_0, ("look twice", 2), ("look", 1)]
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 
 from gaitflow.atlas.node import Request
 from gaitflow.runtime.atlas import Atlas
-from gaitflow.runtime.refine import LIMIT, SINGLE_LIMIT
+from gaitflow.runtime.refine import LIMIT, RIVAL_LIMIT
 from gaitflow.sampling.planning import NODES, Planned, solves, together
 from tests.helpers.sheets import sheet
 
@@ -84,7 +84,7 @@ def test_tasks_are_solved_side_by_side() -> None:
 def test_what_may_be_cheaper_gets_fewer_iterations() -> None:
     made, solver = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2)), Solver({0: 1.5, 1: 1.2})
     together([solves(made, AMID, [0, 1])], solver)
-    assert (solver.batches, solver.limits) == ([[0], [1]], [LIMIT, SINGLE_LIMIT])
+    assert (solver.batches, solver.limits) == ([[0], [1]], [LIMIT, RIVAL_LIMIT])
 
 
 @pytest.mark.parametrize("number", [0, 3])

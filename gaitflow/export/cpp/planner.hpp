@@ -92,7 +92,7 @@ class Planner {
   }
 
  private:
-  // Relative cost that another one must promise to save, and for which it is solved from every start.
+  // Relative cost that another one must promise to save, and for which it is solved from a second start.
   static constexpr double least_saving = 1e-3, great_saving = 0.5;
 
   // The candidates of the first `top` gaits in order until one is refined; then each one left that may cost less than
@@ -116,7 +116,7 @@ class Planner {
     double cost = done.back().cost;
     for (const auto& [least, rival] : rivals) {
       if (!(least < cost * (1 - least_saving))) continue;
-      done.push_back(refiner_.fast(*rival, place, least < cost * (1 - great_saving) ? Starts::most : 1));
+      done.push_back(refiner_.fast(*rival, place, least < cost * (1 - great_saving) ? 2 : 1));
       if (done.back().refined()) cost = std::min(cost, done.back().cost);
     }
     return done;

@@ -43,7 +43,7 @@ class Refiner {
   Attempt fast(const Candidate& candidate, const Vector& place, std::size_t most = Starts::most) {
     const Vector task = map_.parameters(place);
     const double scale = map_.file().cost_scale;
-    const std::size_t iterations = most == 1 ? single_limit : limit;
+    const std::size_t iterations = most >= Starts::most ? limit : rival_limit;
     InteriorPoint& method = this->method(space_of(candidate));
     Starts starts(map_, program_, candidate, place, task);
     Attempt attempt{&candidate, Ending::lost, 0, 0, 0, {}};
@@ -66,7 +66,7 @@ class Refiner {
   }
 
  private:
-  static constexpr std::size_t limit = 60, single_limit = 30;  // iterations of a start, and of an only one
+  static constexpr std::size_t limit = 60, rival_limit = 30;  // iterations of a start, and of one of fewer
 
   const Space& space_of(const Candidate& candidate) const {
     return candidate.sheet ? candidate.sheet->space : map_.gaits()[candidate.gait].space;
