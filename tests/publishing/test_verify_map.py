@@ -198,7 +198,7 @@ def test_a_problem_check_that_is_none_is_found(artifact: Path) -> None:
         ("0.costs", -1.0, "holds a cost that is not positive"),
         ("1.tasks", 1000.0, "has a node or an infeasible place that is no physical task"),
         ("1.tasks", 9.0, "gallop has a node at speed 9 m/s, cycle_duration 9 s, outside the map's domain"),
-        ("1.lower", 1e9, "a bound below that lies above"),
+        ("1.lower", 255, "1.lower has level 255; there are"),
         ("1.pattern", 1, "the pattern 1111/1111 of a sheet is not the gait gallop"),
         ("steps", 0.0, "steps must be positive"),
     ],
