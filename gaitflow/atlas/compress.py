@@ -135,9 +135,8 @@ class _Analysed:
     @property
     def other_bytes(self) -> int:
         """What is there without any mode: what is kept, mean, exponents, each node's place, cost and slopes; names."""
-        return (
-            8 * self.kept + (4 + OF_NUMBER) * len(self.weights) + 8 * (2 * self.places.size + len(self.places)) + NAMES
-        )
+        of_nodes = 8 * (2 * self.places.size + len(self.places))
+        return self.kept + (4 + OF_NUMBER) * len(self.weights) + of_nodes + NAMES
 
 
 def _analysed(growth: Growth, number: int) -> _Analysed:

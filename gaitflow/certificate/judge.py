@@ -16,11 +16,10 @@ INFEASIBLE = float("inf")
 
 @dataclass(frozen=True)
 class Verdict:
-    """A pick or a plan judged: `excess` is its cost over the least that the search found, less 1; infinite without a
-    motion.
+    """A pick or a plan judged: `excess` is its cost over the least that the search found, less 1.
 
-    Negative where the search missed something cheaper. `pick` and `best`, the search's, are keys of gaits; `best` is ""
-    when the search found no motion at all.
+    It is infinite without a motion, negative where the search missed something cheaper. `pick` and `best`, the
+    search's, are keys of gaits; `best` is "" when the search found no motion at all.
     """
 
     task: Task

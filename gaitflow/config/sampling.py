@@ -15,8 +15,8 @@ Share = Annotated[float, Field(gt=0, lt=1)]
 class Sampling(Config):
     """Tasks chosen in rounds where the map is least sure, until a certificate says that it is good.
 
-    The certificate: with 95 % confidence at most the share `dearer` of the domain's tasks get a pick more than 1 %
-    dearer than the search's best, and at most `infeasible` one without a motion.
+    The certificate: with 95 % confidence at most the share `dearer` of the domain's tasks get a plan more than 1 %
+    dearer than the search's best, and at most `infeasible` none.
     """
 
     seed: Annotated[int, Field(ge=0)] = 0

@@ -31,9 +31,7 @@ PRIMAL_BARRIER = 1e-2  # the prediction without its multipliers
 NODE_BARRIER = 1e-3
 MEAN_BARRIER = 1e-2
 LIMIT = 60  # iterations of a try: near cliffs some need twice the usual 25, and another start takes as many again
-RIVAL_LIMIT = (
-    30  # of a candidate that may be cheaper and has fewer tries: of 137 plans none came out dearer than with 60
-)
+RIVAL_LIMIT = 30  # of a candidate that may be cheaper, and has fewer tries: no plan of 137 came out dearer than with 60
 LEAST_COST = 1e-9
 
 
