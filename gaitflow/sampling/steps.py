@@ -43,9 +43,9 @@ class Steps:
         self._lacking = 0
         self._rounds = self._certificates = 0
         self._known = 0  # tasks of the dataset that the sampling began from
-        self._drawn: list[Task] = []  # of the certificate that is being tried
+        self._drawn: list[Task] = []  # of the certificate that is being tried, all inside the domain
         self._look = 0  # at it, the next one
-        self._verdicts: list[Verdict] = []  # of its picks, and of its plans
+        self._verdicts: list[Verdict] = []  # of its picks, and of its plans, as far as they were judged
         self._plans: list[Verdict] = []
         self.certificate: Certificate | None = None
         self.missed = 0
@@ -70,7 +70,7 @@ class Steps:
         if self._is_ready:
             self._prepare()
         if kind == "doubt" and self._drawn:  # the map was not good enough: the certificate's tasks help to make it
-            self._making.take(self._drawn, self._verdicts)
+            self._making.take(self._drawn, self._judged())
             self._drawn, self._verdicts, self._plans, self._since, self._look = [], [], [], 0, 0
         if kind == "certificate":
             self._certificates += 1
@@ -97,9 +97,8 @@ class Steps:
             self._asked += one.askings
         if one.kind in ("known", "doubt"):
             self._since += len(set(one.tasks) - set(tasks_of(making.scenario)))
-        inside = [task for task in one.tasks if making.domain.contains(task)]
-        verdicts = self._picks.judge(inside)
         if not one.of_certificate:
+            verdicts = self._picks.judge([task for task in one.tasks if making.domain.contains(task)])
             making.take(one.tasks, verdicts)
             wrong = sum(verdict.dearer for verdict in verdicts)
             self._quiet = one.kind == "doubt" and wrong <= QUIET * len(one.tasks)
@@ -107,10 +106,12 @@ class Steps:
             making.tell(f"{one.kind}: {wrong} of {len(one.tasks)} picks were wrong, {len(making.labelled)} gaits")
             return one
         self._drawn += one.tasks
-        self._verdicts += verdicts
-        self._plans += self._picks.judge_plans(inside)
         self._asked, self._look = self._asked + 1, self._look + 1
-        self.certificate = certify(self._plans, self._verdicts, self._further(), self._asked, self._seed)
+        if one.certificate is None:
+            self._plans += self._picks.judge_plans(self._drawn[len(self._plans) :])
+            self.certificate = certify(self._plans, self._judged(), self._further(), self._asked, self._seed)
+        else:  # of a sampling that was stopped: what an asking came to stays, and is not planned again
+            self.certificate = Certificate(**one.certificate)
         self._tell_curve(one, self.certificate.dearer)
         return replace(one, certificate=self.certificate.as_data())
 
@@ -166,6 +167,11 @@ class Steps:
         # Earlier samplings had fewer certificates than the tasks that are known of them: none is drawn again.
         making, seed = self._making, (self._seed + 1) * MORE_SEEDS**2 + self._known + self._certificates
         return draw_tasks(making.domain, making.scenario.tasks.space, number, seed, "sampled", skip=len(self._drawn))
+
+    def _judged(self) -> list[Verdict]:
+        """Verdicts of the picks at all tasks of this certificate."""
+        self._verdicts += self._picks.judge(self._drawn[len(self._verdicts) :])
+        return self._verdicts
 
     def _further(self) -> list[bool]:
         """Whether there are plans at further fresh tasks: as many as the bound on tasks without one needs."""

@@ -164,3 +164,20 @@ def test_a_map_begun_from_many_searches_is_tested_at_once(making: Making) -> Non
     assert begun(making, tasks(making, 100)).next_kind(1000) == "certificate"
     making.tasks.clear()
     assert begun(making, tasks_of(making.scenario)).next_kind(1000) == "doubt", "those of the start do not count"
+
+
+def test_what_an_asking_came_to_is_read_and_not_judged_again(making: Making) -> None:
+    after = begun(making, tasks(making, 100))
+    making.wrong = 2
+    after.begin("certificate")
+    asked = after.done(Round("certificate", tuple(after.tasks_of("certificate", 1000))))
+    making.tasks.clear()
+    again = begun(making, tasks(making, 100))
+    making.wrong = 0  # as if plans were made by newer code
+    again.begin("certificate")
+    assert again.done(asked) == asked and again.certificate == after.certificate
+    assert again.next_kind(1000) == "more"
+    making.wrong = 1
+    assert ask(again, making, "more", 1) and again.certificate is not None
+    assert again.certificate.dearer == 1, "a further look judges all tasks"
+    assert again.certificate.searched > TASKS_OF_A_CERTIFICATE
