@@ -1,4 +1,4 @@
-"""Nodes that a sampling has solved, kept on disk: one that was stopped solves none of them again.
+"""Nodes and costs that a sampling has solved, kept on disk: one that was stopped solves none of them again.
 
 A table of SQLite, so a process that is killed leaves what it had committed. A node's key is a digest of everything that
 it depends on: problem, code, pattern, place and start. A sampling asks for equal nodes in an equal order, so that all
@@ -25,7 +25,7 @@ from gaitflow.files import make_folder
 from gaitflow.runtime.atlas import Prediction
 from gaitflow.tables.solver_code import SOLVER_SOURCES, package_digest, solver_version
 
-METHODS = ("node", "careful_node")  # of a `NodeSolver`; others take less than a tenth of the time
+NODES, COSTS = ("node", "careful_node"), ("cost_at",)  # methods of a `NodeSolver`; another takes a tenth of the time
 NODE_SOURCES = (*SOLVER_SOURCES, "atlas/node.py")
 _NUMBERS = ("slopes", "point", "tangents")
 
@@ -51,19 +51,21 @@ class _Keeping:
         self._table, self._about, self._each = table, about, each
 
     def __call__(self, method: str, calls: Sequence[tuple[Pattern, Sequence[Any]]]) -> list[Any]:
-        if method not in METHODS:
+        if method not in (*NODES, *COSTS):
             return self._each(method, calls)
         keys = [self._key(method, pattern, *arguments) for pattern, arguments in calls]
         found = {key: node for key in keys if (node := self._table.read(key)) is not None}
         left = {key: call for key, call in zip(keys, calls, strict=True) if key not in found}
         solved = self._each(method, list(left.values())) if left else []
-        fresh = {key: _bytes(node) for key, node in zip(left, solved, strict=True)}
+        fresh = {key: _bytes(result) for key, result in zip(left, solved, strict=True)}
         self._table.add(fresh)
         found |= fresh
+        if method in COSTS:
+            return [self._table.cost(found[key]) for key in keys]
         return [self._table.node(found[key], place) for key, (_, (place, *_)) in zip(keys, calls, strict=True)]
 
-    def _key(self, method: str, pattern: Pattern, place: Place, start: Prediction) -> bytes:
-        digest = hashlib.sha256(f"{self._about} {method} {pattern.text}".encode())
+    def _key(self, method: str, pattern: Pattern, place: Place, start: Prediction, *further: int) -> bytes:
+        digest = hashlib.sha256(" ".join(map(str, (self._about, method, pattern.text, *further))).encode())
         for numbers in (place, [start.cost], start.point):
             digest.update(np.asarray(numbers, dtype=np.float64).tobytes())
         return digest.digest()
@@ -91,6 +93,10 @@ class _Table:
         with self._explained():
             return _node(content, place)
 
+    def cost(self, content: bytes) -> float | None:
+        with self._explained():
+            return float(load(content)["cost"][0]) if content else None
+
     def close(self) -> None:
         self._table.close()
 
@@ -109,12 +115,14 @@ def _about(scenario: Scenario) -> str:
     return digest_of({"problem": scenario.problem_data, "axes": [space.ranged, space.fixed], "code": code})
 
 
-def _bytes(node: Node | None) -> bytes:
-    """A node without its place; nothing where there is no motion."""
-    if node is None:
+def _bytes(result: Node | float | None) -> bytes:
+    """A node without its place, or a cost; nothing where there is no motion."""
+    if result is None:
         return b""
-    arrays = {name: np.ascontiguousarray(getattr(node, name), dtype=np.float64) for name in _NUMBERS}
-    return save(arrays | {"cost": np.array([node.cost])})
+    if isinstance(result, float):
+        return save({"cost": np.array([result])})
+    arrays = {name: np.ascontiguousarray(getattr(result, name), dtype=np.float64) for name in _NUMBERS}
+    return save(arrays | {"cost": np.array([result.cost])})
 
 
 def _node(content: bytes, place: Place) -> Node | None:

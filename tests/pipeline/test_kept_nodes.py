@@ -73,15 +73,20 @@ def test_what_has_no_motion_is_kept_too(table: Path, tmp_path: Path) -> None:
     assert here.asked == ["node"]
 
 
-def test_other_methods_are_called_each_time(table: Path) -> None:
-    here = Here()
-    node = next(iter(grown(table, here).nodes[0].values()))
-    with kept_nodes(table, tiny_problem().scenario, here) as each:
-        assert each is not None
-        call = Pattern.from_text(PATTERN), (node.place, node.moved(node.place), 20)
-        costs = each("cost_at", [call, call])
-    assert here.asked == ["cost_at"] * 2
-    assert costs == pytest.approx([node.cost] * 2)
+def test_costs_are_kept_and_refinements_are_not(table: Path, tmp_path: Path) -> None:
+    here, path = Here(), copy(table, tmp_path)
+    node = next(iter(grown(path, here).nodes[0].values()))
+    call = Pattern.from_text(PATTERN), (node.place, node.moved(node.place), 20)
+    hopeless = (call[0], (*call[1][:2], 0))
+    for _ in range(2):
+        with kept_nodes(path, tiny_problem().scenario, here) as each:
+            assert each is not None
+            assert each("cost_at", [call, hopeless]) == [pytest.approx(node.cost), None]
+    assert here.asked == ["cost_at"] * 2, "the limit of iterations tells two calls apart"
+    for _ in range(2):
+        with kept_nodes(path, tiny_problem().scenario, here) as each:
+            assert each is not None and each("refined", [call])[0].converged
+    assert here.asked[2:] == ["refined"] * 2
 
 
 def test_other_code_solves_anew(table: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
