@@ -1,7 +1,7 @@
 """atlas.safetensors: what is in it, and how it is written; `gaitflow.runtime.atlas_reader` reads it.
 
 Tensors: `axes` (names in ASCII, joined by commas, uint8), `steps` [a] and `barrier` [1] (float64), `sheets` [1]
-(int32), `levels` (float64), all values that bounds have, and for every sheet "<number>.<name>": gait [1] (int32),
+(int32), `levels` of bounds (`gaitflow.runtime.levels`), and for every sheet "<number>.<name>": gait [1] (int32),
 pattern [legs, phases] (uint8), lower, upper [nw], lower_rows, upper_rows [ng] (uint8: which level), and the fields of
 `Sheet` by their names. Of these mean is float32, most others float64. modes, coordinates and tangents are int16 in
 fixed point (`gaitflow.runtime.fixed_point`) with exponents, int16 as well, in "<number>.<name>_exponents" [1, c],
@@ -23,15 +23,14 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors.numpy import save
 
-from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, Sheet
 from gaitflow.runtime.fixed_point import fixed_point, single
+from gaitflow.runtime.levels import LEVELS, levelled, levels_of
 from gaitflow.runtime.sheet_image import SheetImage
 
 _NUMBERS = ("tasks", "costs", "slopes", "mean", "modes", "coordinates", "tangents")
 ROUNDED_ALONG = {"modes": 0, "coordinates": 0, "tangents": 0}  # the axis whose numbers share an exponent
 EXPONENTS = "_exponents"
-LEVELS, MOST_LEVELS = "levels", 256
 BOUNDS = ("lower", "upper", "lower_rows", "upper_rows")
 INFEASIBLE = "infeasible"
 IMAGE_OF = "image_of"
@@ -47,14 +46,13 @@ def atlas_bytes(atlas: Atlas) -> bytes:
         "barrier": np.array([atlas.barrier]),
         "sheets": np.array([len(atlas.sheets)], dtype=np.int32),
     }
-    bounds = [getattr(sheet.space, name) for sheet in atlas.sheets for name in BOUNDS]
-    levels = np.unique(np.concatenate(bounds)) if bounds else np.zeros(0)
-    tensors |= {LEVELS: levels} if 0 < len(levels) <= MOST_LEVELS else {}
+    levels = levels_of(getattr(sheet.space, name) for sheet in atlas.sheets for name in BOUNDS)
+    tensors |= {} if levels is None else {LEVELS: levels}
     written = {sheet.pattern: number for number, sheet in enumerate(atlas.sheets) if sheet.image is None}
     for number, sheet in enumerate(atlas.sheets):
         is_image = sheet.image is not None and sheet.image.of in written
         own = _image_tensors(sheet.image, written) if is_image else _number_tensors(sheet)
-        own |= {name: _levelled(getattr(sheet.space, name), tensors.get(LEVELS)) for name in BOUNDS}
+        own |= {name: levelled(getattr(sheet.space, name), levels) for name in BOUNDS}
         own |= {
             "gait": np.array([sheet.gait], dtype=np.int32),
             "pattern": np.array([[int(digit) for digit in row] for row in sheet.pattern.split("/")], dtype=np.uint8),
@@ -76,10 +74,6 @@ def _image_tensors(image: SheetImage | None, written: Mapping[str, int]) -> dict
         "image_places": image.places.astype(np.int32),
         "image_signs": image.signs,
     }
-
-
-def _levelled(bounds: Array, levels: Array | None) -> NDArray[Any]:
-    return bounds if levels is None else np.searchsorted(levels, bounds).astype(np.uint8)
 
 
 def _in_fixed_point(arrays: Mapping[str, NDArray[np.float32]]) -> dict[str, NDArray[Any]]:

@@ -16,14 +16,13 @@ from gaitflow.runtime.atlas_file import (
     EXPONENTS,
     IMAGE_OF,
     INFEASIBLE,
-    LEVELS,
-    MOST_LEVELS,
     OF_IMAGE,
     OF_SHEET,
     ROUNDED_ALONG,
 )
 from gaitflow.runtime.condensed import Condenser
 from gaitflow.runtime.fixed_point import single
+from gaitflow.runtime.levels import LEVELS, read_bounds
 from gaitflow.runtime.sheet_image import SheetImage, imaged, signs_of
 from gaitflow.runtime.strict import LARGEST
 from gaitflow.runtime.tensor_file import TensorFile
@@ -72,7 +71,7 @@ def parse_atlas(content: bytes, axes: Sequence[str], gaits: int, layout: Layout,
 def parse_space(file: TensorFile, prefix: str, layout: Layout, rows: int) -> GaitSpace:
     """The bounds of a sheet, "<prefix>.lower" and so on. Raises ArtifactError."""
     sizes = (layout.nw, layout.nw, rows, rows)
-    bounds = [_bounds(file, f"{prefix}.{each}", size) for each, size in zip(BOUNDS, sizes, strict=True)]
+    bounds = [read_bounds(file, f"{prefix}.{each}", (size,)) for each, size in zip(BOUNDS, sizes, strict=True)]
     if (bounds[0] > bounds[1]).any() or (bounds[2] > bounds[3]).any():
         file.refuse(f"sheet {prefix}", "has a bound below that lies above the one above")
     if any(np.isposinf(each).any() for each in bounds[::2]) or any(np.isneginf(each).any() for each in bounds[1::2]):
@@ -81,21 +80,6 @@ def parse_space(file: TensorFile, prefix: str, layout: Layout, rows: int) -> Gai
     if not (len(space.free) and space.rows and space.bounds):
         file.refuse(f"sheet {prefix}", "leaves no variable, no row or no bound to solve for")
     return space
-
-
-def _bounds(file: TensorFile, name: str, size: int) -> Array:
-    """Bounds that are written out, or by which of the levels each is. Raises ArtifactError."""
-    if LEVELS not in file.tensors:
-        return file.array(name, (size,), np.float64, finite=False)
-    levels = file.array(LEVELS, (file.length(LEVELS),), np.float64, finite=False)
-    if len(levels) > MOST_LEVELS or (levels[1:] <= levels[:-1]).any():
-        file.refuse(LEVELS, f"are more than {MOST_LEVELS}, or not in ascending order")
-    which = file.array(name, (size,), np.uint8)
-    if which.max(initial=0) >= len(levels):
-        file.refuse(name, f"has level {which.max()}; there are {len(levels)}")
-    bounds: Array = levels[which]
-    bounds.flags.writeable = False
-    return bounds
 
 
 def parse_pattern(file: TensorFile, prefix: str, layout: Layout) -> str:

@@ -1,4 +1,7 @@
-"""warmstarts.safetensors: for each gait the mean motion of its region, and the bounds that impose its pattern."""
+"""warmstarts.safetensors: for each gait the mean motion of its region, and the bounds that impose its pattern.
+
+Bounds are kept by their levels (`gaitflow.runtime.levels`), all else is float64.
+"""
 
 from __future__ import annotations
 
@@ -10,10 +13,12 @@ from safetensors.numpy import save
 
 from gaitflow.core.layout import Layout
 from gaitflow.core.trajectory import Array, Trajectory
+from gaitflow.runtime.levels import LEVELS, levelled, levels_of, read_bounds
 from gaitflow.runtime.tensor_file import TensorFile
 from gaitflow.solvers.point import GaitSpace
 
 MAX_ROWS = 10_000_000
+BOUNDS = ("lower_bounds", "upper_bounds", "lower_rows", "upper_rows")
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +70,10 @@ class WarmStart(Trajectory):
 
 def tensor_bytes(tensors: GaitTensors) -> bytes:
     """The file's content. Equal tensors give equal bytes."""
-    return save({name: np.ascontiguousarray(value, dtype=np.float64) for name, value in asdict(tensors).items()})
+    arrays = {name: np.ascontiguousarray(value, dtype=np.float64) for name, value in asdict(tensors).items()}
+    levels = levels_of(arrays[name] for name in BOUNDS)
+    levelled_bounds = {name: levelled(arrays[name], levels) for name in BOUNDS}
+    return save(arrays | levelled_bounds | ({} if levels is None else {LEVELS: levels}))
 
 
 def parse_tensors(content: bytes, gaits: int, layout: Layout, where: str, scaled: bool = False) -> GaitTensors:
@@ -75,7 +83,7 @@ def parse_tensors(content: bytes, gaits: int, layout: Layout, where: str, scaled
     """
     file = TensorFile.parse(content, where)
     names = set(GaitTensors.__annotations__)
-    file.expect(names | ({"scale"} if scaled else set()))
+    file.expect(names | ({"scale"} if scaled else set()) | {LEVELS} & set(file.tensors))
     shape = np.shape(file.tensors["multipliers_rows"])
     rows = shape[1] if len(shape) == 2 else 0
     if not 1 <= rows <= MAX_ROWS:
@@ -83,7 +91,8 @@ def parse_tensors(content: bytes, gaits: int, layout: Layout, where: str, scaled
     found = {}
     for name in sorted(names):
         size = rows if name.endswith("_rows") else layout.nw
-        found[name] = file.array(name, (gaits, size), np.float64, finite=not name.startswith(("lower", "upper")))
+        shape = (gaits, size)
+        found[name] = read_bounds(file, name, shape) if name in BOUNDS else file.array(name, shape, np.float64)
     for kind in ("bounds", "rows"):
         if (found[f"lower_{kind}"] > found[f"upper_{kind}"]).any():
             file.refuse(f"lower_{kind}", f"has a value above its upper_{kind}")

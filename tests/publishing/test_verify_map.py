@@ -134,7 +134,8 @@ def test_forged_tensors_are_found(artifact: Path, fault: str) -> None:
     if fault == "nan":
         tensors["primal"][0, 5] = np.nan
     elif fault == "crossed bounds":
-        tensors["lower_bounds"][1, 5] = 1e9
+        tensors["lower_bounds"][1, 5] = len(tensors["levels"]) - 1  # infinite, the highest one
+        tensors["upper_bounds"][1, 5] = 0
     elif fault == "outside":
         tensors["primal"][1, -1] = 3.0
     elif fault == "float32":
@@ -234,7 +235,8 @@ def test_a_start_that_does_not_plan_is_found(artifact: Path, monkeypatch: pytest
     (artifact / "atlas.safetensors").write_bytes(atlas_bytes(Atlas.empty(("speed", "cycle_duration"))))
     path = artifact / "warmstarts.safetensors"
     tensors = load(path.read_bytes())
-    low, high = np.maximum(tensors["lower_bounds"], -1), np.minimum(tensors["upper_bounds"], 1)
+    bounds = [tensors["levels"][tensors[name]] for name in ("lower_bounds", "upper_bounds")]
+    low, high = np.maximum(bounds[0], -1), np.minimum(bounds[1], 1)
     tensors["primal"] = low + np.random.default_rng(0).uniform(size=low.shape) * (high - low)
     path.write_bytes(save(tensors))
     forge(artifact, solver={"options": {"max_iter": 1}})
