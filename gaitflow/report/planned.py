@@ -40,7 +40,10 @@ def of_map(folder: Path, values: Mapping[str, float], gait: str | None = None) -
         place: dict[str, Any] = {axis: choice.task[axis] for axis in gait_map.axes}
         plan = gait_map.plan(gait=one.gait, **place)
         if not plan.feasible:
-            raise ValueError(f"{one.gait}: no feasible motion at this task; worst violation {plan.violation:.1e}")
+            raise ValueError(
+                f"{one.gait}: no feasible motion at this task; worst violation {plan.violation:.1e}; `gaitflow plan` "
+                "finds a gait that has one, which --gait draws"
+            )
         return Solution(
             task=task,
             pattern=plan.pattern,

@@ -20,7 +20,7 @@ MODELS = Path(__file__).parents[2] / "models"
 GOLDEN = Path(__file__).parents[1] / "data" / "golden_plans.json"
 EASY, HARD = 4, 4  # plans a map: the first ones drawn, and those of the most iterations
 MOST = 250  # iterations: more take a test too long, or are IPOPT's
-DRAWN = 200
+DRAWN, DRAWN_WIDE = 200, 24  # on up to three axes and on more, where a plan takes seconds
 LOCAL = "quickstart"  # what `make run` publishes in a checkout, and git ignores
 
 
@@ -49,7 +49,8 @@ def drawn(gait_map: GaitMap, count: int, seed: int = 0) -> list[dict[str, float]
 def record(folder: Path) -> dict[str, Any]:
     """Plans of one map."""
     gait_map = GaitMap.load(folder)
-    plans = [gait_map.plan(**task) for task in drawn(gait_map, DRAWN)]
+    tasks = drawn(gait_map, DRAWN_WIDE if len(gait_map.axes) > 3 else DRAWN)
+    plans = [gait_map.plan(**task) for task in tasks]
     bearable = [plan for plan in plans[EASY:] if plan.iterations <= MOST]
     hard = sorted(bearable, key=lambda plan: plan.iterations)[-HARD:]
     rows = [
