@@ -6,7 +6,7 @@ Those that explain most of all nodes are kept, over all patterns at once, until 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from gaitflow.atlas.grow import Growth
-from gaitflow.atlas.node import BARRIER
+from gaitflow.atlas.node import BARRIER, Node
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, Sheet
 from gaitflow.runtime.atlas_file import ROUNDED_ALONG
@@ -44,29 +44,38 @@ BESIDE = 1.01  # steps: nodes that are further apart are no neighbours
 def build_atlas(growth: Growth, gaits: Sequence[int], largest: int | None = None) -> Atlas:
     """The atlas of the growth's nodes, of at most `largest` bytes or little more where even few modes need more.
 
-    `gaits` are the numbers of the gaits that its patterns realise; patterns without a node have no sheet. Equal
-    nodes give an equal atlas.
+    `gaits` are the numbers of the gaits that its patterns realise. Nodes outside the growth's domain are left out, and
+    patterns without a node have no sheet. Equal nodes give an equal atlas.
     """
-    numbers = [number for number, nodes in enumerate(growth.nodes) if nodes]
-    images = {number: other for number in numbers if (other := _first_image(growth, number)) is not None}
-    sheets = {number: _analysed(growth, number) for number in numbers if number not in images}
+    inside = _inside(growth)
+    images = {number: other for number in inside if (other := _first_image(growth, number, inside)) is not None}
+    sheets = {number: _analysed(growth, number, inside[number]) for number in inside if number not in images}
     if largest is None:
         further = FURTHER_AXIS ** max(len(growth.domain.axes) - 2, 0)
         largest = min(int(LARGEST[growth.problem.layout.dimension] * further), MOST_BYTES)
     of_images = sum(sheets[other].image_bytes for other in images.values())
     counts = _mode_counts(list(sheets.values()), largest - of_images)
     built = {
-        number: _sheet(growth, number, gaits[number], sheet, count)
+        number: _sheet(growth, number, inside[number], gaits[number], sheet, count)
         for (number, sheet), count in zip(sheets.items(), counts, strict=True)
     }
     built |= {number: _image(growth, number, gaits[number], built[other]) for number, other in images.items()}
-    return Atlas(tuple(growth.domain.axes), growth.steps, BARRIER, tuple(built[number] for number in numbers))
+    return Atlas(tuple(growth.domain.axes), growth.steps, BARRIER, tuple(built[number] for number in inside))
 
 
-def _first_image(growth: Growth, number: int) -> int | None:
-    """The pattern before this one of which it is the mirror image, if there is one that has nodes."""
+def _inside(growth: Growth) -> dict[int, list[Node]]:
+    """The nodes of each pattern that has some inside the growth's domain, by their places."""
+    inside = {
+        number: [nodes[place] for place in sorted(nodes) if growth.inside(place)]
+        for number, nodes in enumerate(growth.nodes)
+    }
+    return {number: nodes for number, nodes in inside.items() if nodes}
+
+
+def _first_image(growth: Growth, number: int, inside: Container[int]) -> int | None:
+    """The pattern before this one of which it is the mirror image, if there is one that has nodes inside."""
     other = growth.image_of(number)
-    return other if other is not None and other < number and growth.nodes[other] else None
+    return other if other is not None and other < number and other in inside else None
 
 
 def _image(growth: Growth, number: int, gait: int, other: Sheet) -> Sheet:
@@ -97,7 +106,7 @@ def cost_atlas(growth: Growth, gaits: Sequence[int]) -> Atlas:
                     coordinates=np.zeros((len(ordered), 0), dtype=np.float32),
                     tangents=np.zeros((*places.shape, 0), dtype=np.float32),
                     tear=0.0,
-                    infeasible=_beyond(growth, number),
+                    infeasible=_beyond(growth, number, ordered),
                 )
             )
     return Atlas(tuple(growth.domain.axes), growth.steps, BARRIER, tuple(sheets))
@@ -139,8 +148,7 @@ class _Analysed:
         return self.kept + (4 + OF_NUMBER) * len(self.weights) + of_nodes + NAMES
 
 
-def _analysed(growth: Growth, number: int) -> _Analysed:
-    nodes = [growth.nodes[number][place] for place in sorted(growth.nodes[number])]
+def _analysed(growth: Growth, number: int, nodes: Sequence[Node]) -> _Analysed:
     space = growth.solver.methods[number].space
     condenser = Condenser(space, BARRIER)
     places = np.array([node.place for node in nodes])
@@ -152,7 +160,7 @@ def _analysed(growth: Growth, number: int) -> _Analysed:
     mean = points.mean(axis=0)
     points -= mean
     modes, sizes = _modes(points, tangents * growth.steps[:, None])
-    beyond = _beyond(growth, number)
+    beyond = _beyond(growth, number, nodes)
     kept = 2 * (len(space.lower) + len(space.lower_rows)) + 8 * beyond.size  # of a bound a byte says which level
     return _Analysed(places, pairs, weights, mean, points, tangents, modes, sizes, beyond, kept)
 
@@ -195,8 +203,7 @@ def _mode_counts(sheets: Sequence[_Analysed], largest: int) -> list[int]:
     return counts
 
 
-def _sheet(growth: Growth, number: int, gait: int, sheet: _Analysed, modes: int) -> Sheet:
-    nodes = [growth.nodes[number][place] for place in sorted(growth.nodes[number])]
+def _sheet(growth: Growth, number: int, nodes: Sequence[Node], gait: int, sheet: _Analysed, modes: int) -> Sheet:
     vectors = sheet.modes[:modes]
     coordinates, tangents = (
         rounded(numbers @ vectors.T, ROUNDED_ALONG[name])
@@ -218,7 +225,7 @@ def _sheet(growth: Growth, number: int, gait: int, sheet: _Analysed, modes: int)
     )
 
 
-def _beyond(growth: Growth, number: int) -> Array:
+def _beyond(growth: Growth, number: int, nodes: Sequence[Node]) -> Array:
     """Of the places [m, a] where a pattern has no motion those that tell where it ends.
 
     A sheet's support weighs them all against its nodes. Searching for borders piles places up in front of them, which
@@ -228,11 +235,11 @@ def _beyond(growth: Growth, number: int) -> Array:
     places = growth.infeasible_places(number)
     if not len(places):
         return places
-    steps, nodes = growth.steps, np.array(sorted(growth.nodes[number]))
-    away, nearest = cKDTree(places / steps).query(nodes / steps)
+    steps, at = growth.steps, np.array([node.place for node in nodes])
+    away, nearest = cKDTree(places / steps).query(at / steps)
     kept = np.zeros(len(places), dtype=bool)
     kept[nearest[away < REACH]] = True
-    kept |= cKDTree(nodes / steps).query(places / steps)[0] > FAR
+    kept |= cKDTree(at / steps).query(places / steps)[0] > FAR
     beyond: Array = places[kept]
     return beyond
 

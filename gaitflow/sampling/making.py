@@ -157,13 +157,15 @@ class MapInMaking:
         return self.costs_atlas().of(sorted(self.picked))
 
     def built(self, largest: int | None = None) -> Atlas:
-        """The whole atlas, whose gaits are numbers of `gaits`; see `build_atlas`."""
-        return build_atlas(self.growth, self._numbers, largest)
+        """The whole atlas of the domain, whose gaits are numbers of `gaits`; see `build_atlas`."""
+        with self.inside():
+            return build_atlas(self.growth, self._numbers, largest)
 
     def judge_predictions(self) -> Predictions:
         """How good the predictions of the whole atlas are inside the domain."""
+        atlas = self.built()
         with self.inside():
-            return judge_predictions(self.growth, self.built())
+            return judge_predictions(self.growth, atlas)
 
     def sheets_of(self, gait: int) -> list[int]:
         """The sheets of a gait of that number that have a node."""

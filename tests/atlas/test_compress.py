@@ -8,6 +8,7 @@ import pytest
 from gaitflow.atlas.compress import _modes, _tear, _without_strays, build_atlas
 from gaitflow.atlas.grow import Growth
 from gaitflow.atlas.node import BARRIER
+from gaitflow.core.domain import Domain
 from gaitflow.runtime.atlas_file import atlas_bytes
 from gaitflow.runtime.atlas_reader import parse_atlas
 from gaitflow.runtime.condensed import Condenser
@@ -66,6 +67,20 @@ def test_a_pattern_without_a_node_has_no_sheet(grown: Growth) -> None:
     empty.nodes[1] = grown.nodes[1]
     assert [sheet.gait for sheet in build_atlas(empty, [0, 1]).sheets] == [1]
     assert build_atlas(Growth(grown.problem, grown.solver, grown.domain), [0, 1]).sheets == ()
+
+
+def test_nodes_outside_the_domain_are_left_out(grown: Growth) -> None:
+    feasible = grown.domain.feasible.copy()
+    feasible[-1] = False  # of its largest speed
+    inside = Growth(grown.problem, grown.solver, Domain(grown.domain.axes, feasible))
+    inside.nodes, inside.infeasible = grown.nodes, grown.infeasible
+    atlas = build_atlas(inside, [0, 1])
+    kept = {tuple(place) for sheet in atlas.sheets for place in sheet.tasks.tolist()}
+    assert kept == {place for nodes in grown.nodes for place in nodes if inside.inside(place)}
+    assert any(not inside.inside(place) for nodes in grown.nodes for place in nodes)
+    nowhere = Growth(grown.problem, grown.solver, Domain(grown.domain.axes, np.zeros_like(feasible)))
+    nowhere.nodes = grown.nodes
+    assert build_atlas(nowhere, [0, 1]).sheets == ()
 
 
 def test_modes_are_the_directions_of_largest_change() -> None:
