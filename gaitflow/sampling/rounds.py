@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from gaitflow.certificate.certificate import Certificate
 from gaitflow.core.task import Split, Task
 from gaitflow.core.task_space import TaskSpace
 
@@ -17,7 +18,7 @@ KINDS: tuple[Kind, ...] = ("known", "start", "doubt", "certificate", "more")
 
 @dataclass(frozen=True)
 class Round:
-    """Tasks that are searched together. `certificate` is what the round came to, plain data; None for other kinds.
+    """Tasks that are searched together. `certificate` is what the asking came to; None before, and for other kinds.
 
     askings: how often certificates were asked with the searches of a dataset, of the kind "known". Raises ValueError
     when it is negative.
@@ -25,7 +26,7 @@ class Round:
 
     kind: Kind
     tasks: tuple[Task, ...]
-    certificate: Mapping[str, Any] | None = None
+    certificate: Certificate | None = None
     askings: int = 0
 
     def __post_init__(self) -> None:
@@ -41,7 +42,7 @@ class Round:
         """Plain JSON data: a task by its values on the axes with a range."""
         data: dict[str, Any] = {"kind": self.kind, "tasks": [list(task.on(space.ranged)) for task in self.tasks]}
         data |= {"askings": self.askings} if self.askings else {}
-        return data if self.certificate is None else data | {"certificate": dict(self.certificate)}
+        return data if self.certificate is None else data | {"certificate": self.certificate.as_data()}
 
 
 def rounds_from(data: Any, space: TaskSpace) -> list[Round]:
@@ -51,7 +52,7 @@ def rounds_from(data: Any, space: TaskSpace) -> list[Round]:
             Round(
                 KINDS[KINDS.index(one["kind"])],
                 tuple(task_at(space, values) for values in one["tasks"]),
-                one.get("certificate"),
+                Certificate(**one["certificate"]) if "certificate" in one else None,
                 int(one.get("askings", 0)),
             )
             for one in data

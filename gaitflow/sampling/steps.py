@@ -111,9 +111,9 @@ class Steps:
             self._plans += self._picks.judge_plans(self._drawn[len(self._plans) :])
             self.certificate = certify(self._plans, self._judged(), self._further(), self._asked, self._seed)
         else:  # of a sampling that was stopped: what an asking came to stays, and is not planned again
-            self.certificate = Certificate(**one.certificate)
+            self.certificate = one.certificate
         self._tell_curve(one, self.certificate.dearer)
-        return replace(one, certificate=self.certificate.as_data())
+        return replace(one, certificate=self.certificate)
 
     @property
     def _start(self) -> list[Task]:

@@ -7,10 +7,13 @@ from typing import Any
 
 import pytest
 
+from gaitflow.certificate.certificate import certify
+from gaitflow.certificate.judge import Verdict
 from gaitflow.core.task_space import TaskSpace
 from gaitflow.sampling.rounds import Kind, Round, askings, held_out, rounds_from, task_at
 
 SPACE = TaskSpace(("speed", "slope"), (("cycle_duration", 0.5),))
+CERTIFICATE = certify([Verdict(task_at(SPACE, (0.3, 3.0)), "", "", 0.0)] * 9, [], [True], 1, 0)
 
 
 def a_round(kind: Kind, *speeds: float) -> Round:
@@ -19,7 +22,7 @@ def a_round(kind: Kind, *speeds: float) -> Round:
 
 def test_rounds_come_back_as_they_were() -> None:
     known = Round("known", a_round("start", 0.4).tasks, askings=2)
-    rounds = [known, a_round("start", 0.1, 0.2), Round("certificate", a_round("start", 0.3).tasks, {"searched": 1})]
+    rounds = [known, a_round("start", 0.1, 0.2), Round("certificate", a_round("start", 0.3).tasks, CERTIFICATE)]
     data = json.loads(json.dumps([one.as_data(SPACE) for one in rounds]))
     assert rounds_from(data, SPACE) == rounds
     assert askings(rounds) == 3, "those before the dataset was published count"
@@ -34,7 +37,15 @@ def test_askings_cannot_be_taken_back() -> None:
 
 
 @pytest.mark.parametrize(
-    "data", [7, [{"kind": "start"}], [{"kind": "x", "tasks": []}], [{"kind": "start", "tasks": [[1]]}]]
+    "data",
+    [
+        7,
+        [{"kind": "start"}],
+        [{"kind": "x", "tasks": []}],
+        [{"kind": "start", "tasks": [[1]]}],
+        [{"kind": "certificate", "tasks": [], "certificate": {"searched": 1, "luck": 7}}],
+        [{"kind": "certificate", "tasks": [], "certificate": None}],
+    ],
 )
 def test_anything_else_is_one_line(data: Any) -> None:
     with pytest.raises(ValueError, match="no rounds of a sampling over speed, slope"):
