@@ -14,6 +14,7 @@ from gaitflow.atlas.node import Place
 
 NARROW = 1 / 16  # steps between the two sides of a border that is known well enough
 STARTS = 2  # nearest nodes from which a place is tried
+AGAIN = 3  # times at most that all places without a motion are tried again
 
 
 def find_borders(growth: Growth, places: Sequence[tuple[int, Place]]) -> bool:
@@ -33,6 +34,23 @@ def find_borders(growth: Growth, places: Sequence[tuple[int, Place]]) -> bool:
         # A node in the middle is the nearest one from now on, so that the place beyond stays.
         beyond = {at: beyond[at] if middle in growth.nodes[at[0]] else middle for at, middle in halved}
     return sum(map(len, growth.nodes)) + sum(map(len, growth.infeasible)) > known
+
+
+def reconsider(growth: Growth) -> int:
+    """Try again where patterns were given up, from the nodes that have come nearer since; how many new nodes there are.
+
+    Beyond a cliff of the cost a motion is found from its own side only: of 45 places at which a trot had been given up
+    29 had a motion from the nodes that were there in the end.
+    """
+    before = sum(map(len, growth.nodes))
+    for _ in range(AGAIN):
+        given_up = [(sheet, place) for sheet, places in enumerate(growth.infeasible) for place in sorted(places)]
+        known = sum(map(len, growth.nodes))
+        _try(growth, [(sheet, place) for sheet, place in given_up if growth.nodes[sheet] and growth.inside(place)])
+        if sum(map(len, growth.nodes)) == known:
+            break
+        growth.spread()
+    return sum(map(len, growth.nodes)) - before
 
 
 def _middle(growth: Growth, sheet: int, place: Place) -> Place | None:

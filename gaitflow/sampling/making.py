@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
+from gaitflow.atlas.border import reconsider
 from gaitflow.atlas.compress import build_atlas, cost_atlas
 from gaitflow.atlas.fill import fill
 from gaitflow.atlas.grow import Growth
@@ -128,7 +129,7 @@ class MapInMaking:
         return list(found)
 
     def fill(self) -> None:
-        """Nodes where predictions fail or mistake a gait."""
+        """Nodes where predictions fail or mistake a gait, and where gaits were given up too early."""
 
         def on_test(done: int, most: int) -> None:
             self.tell(f"test {done} of {most}")
@@ -136,6 +137,8 @@ class MapInMaking:
         with self.inside():
             # With all modes, as no node brings back what a file has no room for.
             fill(self.growth, partial(self.built, sys.maxsize), self.scenario.learning.tie_tolerance, on_test=on_test)
+            self.tell("gaits tried again where they were given up")
+            reconsider(self.growth)
 
     def settle(self) -> int:
         """Nodes where the pick is not the search's; at how many known tasks it still is another one."""

@@ -11,7 +11,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gaitflow.atlas.border import NARROW, find_borders
+from gaitflow.atlas.border import NARROW, find_borders, reconsider
 from gaitflow.atlas.compress import cost_atlas
 from gaitflow.atlas.grow import Growth
 from gaitflow.atlas.node import Node, NodeSolver, Place, Request
@@ -133,3 +133,17 @@ def test_each_place_is_tried_quickly_and_carefully_from_two_nodes(grown: Growth)
     find_borders(growth, [(0, (speeds[0] + growth.steps[0], durations[0]))])
     asked = growth.solver.asked  # type: ignore[attr-defined]
     assert {asked.count(place) for place in growth.infeasible[0]} == {4}
+
+
+def test_what_was_given_up_too_early_is_found_when_it_is_tried_again(grown: Growth) -> None:
+    speeds, durations = grown.grid
+    known = (speeds[0], durations[0])
+    growth = limited(grown, lambda place: place == known)
+    find_borders(growth, [(0, (speed, durations[0])) for speed in speeds[1:3]])
+    given_up = set(growth.infeasible[0])
+    assert reconsider(growth) == 0 and growth.infeasible[0] == given_up
+    growth.solver._feasible = lambda place: place[0] < speeds[2]  # type: ignore[attr-defined]
+    found = {place for place in given_up if place[0] < speeds[2]}
+    assert found and reconsider(growth) >= len(found)
+    assert found <= set(growth.nodes[0]) and not found & growth.infeasible[0]
+    assert given_up - found <= growth.infeasible[0], "where there is no motion there is none"
