@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 @click.command()
 @click.argument("folder", type=PUBLISHED)
 @task_options
-@click.option("--gait", help="Draw the gait of this name; by default the one that costs least.")
+@click.option("--gait", help="Draw the gait of this name; by default the one planned, or stored at least cost.")
 @click.option("--rank", type=click.IntRange(1), help="Draw the gait of this rank: 1 costs least.")
 @click.option(
     "--output",
@@ -65,7 +65,7 @@ def show(
         ranked = shown.ranked
         files = []
         if output is not None or strip is not None or gait is not None or rank is not None:
-            one = chosen(ranked, gait, rank)
+            one = shown.first() if gait is None and rank is None else chosen(ranked, gait, rank)
             ranked = (one,)
         if output is not None or strip is not None:
             drawn = shown.motion(one), shown.scenario, one.gait, gait_colours([one.gait])[one.gait]

@@ -10,7 +10,7 @@ from typing import Any
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.trajectory import Trajectory
 from gaitflow.report.predicted import known_gaits
-from gaitflow.report.stored import Ranked, Shown
+from gaitflow.report.stored import Ranked, Shown, chosen
 from gaitflow.runtime import GaitMap, OutOfDomain
 from gaitflow.runtime.artifact import load_artifact
 from gaitflow.search.solution import Solution
@@ -18,6 +18,8 @@ from gaitflow.search.solution import Solution
 
 def of_map(folder: Path, values: Mapping[str, float], gait: str | None = None) -> Shown:
     """The gaits of a map at a task by predicted cost, each with the motion that `GaitMap.plan` makes of it.
+
+    The first one shown is the gait that `plan` takes, which need not be the one that is predicted to cost least.
 
     A cycle duration that is left out is the map's choice, for `gait` when that is given. Raises ValueError for a task
     that the map cannot be asked for or does not answer, ArtifactError when it cannot be read or does not plan.
@@ -36,13 +38,14 @@ def of_map(folder: Path, values: Mapping[str, float], gait: str | None = None) -
     ranked = tuple(Ranked(n, one.gait, one.pattern, one.cost, True, -1) for n, one in enumerate(known, start=1))
     scenario = Scenario.from_data(dict(manifest.scenario), f"{manifest.name} {manifest.version}")
 
+    place: dict[str, Any] = {axis: choice.task[axis] for axis in gait_map.axes}
+
     def motion(one: Ranked) -> Solution:
-        place: dict[str, Any] = {axis: choice.task[axis] for axis in gait_map.axes}
         plan = gait_map.plan(gait=one.gait, **place)
         if not plan.feasible:
             raise ValueError(
-                f"{one.gait}: no feasible motion at this task; worst violation {plan.violation:.1e}; `gaitflow plan` "
-                "finds a gait that has one, which --gait draws"
+                f"{one.gait}: no feasible motion at this task; worst violation {plan.violation:.1e}; without --gait "
+                "and --rank the gait is drawn that has one"
             )
         return Solution(
             task=task,
@@ -59,4 +62,4 @@ def of_map(folder: Path, values: Mapping[str, float], gait: str | None = None) -
             trajectory=Trajectory(**{field.name: getattr(plan, field.name) for field in fields(Trajectory)}),
         )
 
-    return Shown("task", scenario, task, ranked, motion)
+    return Shown("task", scenario, task, ranked, motion, lambda: chosen(ranked, gait_map.plan(**place).gait, None))

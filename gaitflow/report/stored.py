@@ -31,13 +31,17 @@ class Ranked:
 
 @dataclass(frozen=True)
 class Shown:
-    """A task, its gaits by cost, and how the motion of one of them is had; `title` says what the task is."""
+    """A task, its gaits by cost, and how the motion of one of them is had; `title` says what the task is.
+
+    `first` is the gait whose motion is shown unless another one is asked for.
+    """
 
     title: str
     scenario: Scenario
     task: Task
     ranked: tuple[Ranked, ...]
     motion: Callable[[Ranked], Solution]
+    first: Callable[[], Ranked]
 
 
 def of_dataset(folder: Path, values: Mapping[str, float]) -> Shown:
@@ -45,7 +49,14 @@ def of_dataset(folder: Path, values: Mapping[str, float]) -> Shown:
     solutions = load_solutions(folder)
     task = nearest_task(solutions, values)
     ranked = ranked_gaits(solutions, task)
-    return Shown("nearest stored task", scenario_of(solutions), task, ranked, lambda one: motion_of(solutions, one))
+    return Shown(
+        title="nearest stored task",
+        scenario=scenario_of(solutions),
+        task=task,
+        ranked=ranked,
+        motion=lambda one: motion_of(solutions, one),
+        first=lambda: chosen(ranked, None, None),
+    )
 
 
 def scenario_of(solutions: Solutions) -> Scenario:

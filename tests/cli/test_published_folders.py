@@ -77,6 +77,19 @@ def test_a_map_shows_what_it_plans(alone: Path, tmp_path: Path) -> None:
     assert far.exit_code == 2 and "speed = 9 m/s is outside the map's" in far.stderr
 
 
+def test_a_map_draws_the_gait_that_it_plans(checkout: Path, tmp_path: Path) -> None:
+    version, task = checkout / "models/half-cheetah-exact-slopes/1.2.0", (0.75, 3.44, 1.32)
+    asked = dict(zip(("cycle_duration", "slope", "speed"), task, strict=True))
+    gait_map, options = GaitMap.load(version), ("--cycle", task[0], "--slope", task[1], "--speed", task[2])
+    planned, target = gait_map.plan(**asked), tmp_path / "motion.html"
+    assert planned.gait != gait_map.select(**asked).gait, "another gait came out cheaper than predicted"
+    done = call(tmp_path, "show", version, *options, "--output", target, "--json")
+    assert done.exit_code == 0, done.output
+    assert [one["gait"] for one in json.loads(done.stdout)["gaits"]] == [planned.gait] and target.exists()
+    listed = json.loads(call(tmp_path, "show", version, *options, "--json").stdout)["gaits"]
+    assert listed[0]["gait"] != planned.gait, "the list is by predicted cost"
+
+
 @pytest.mark.parametrize("command", ["labels", "show", "verify", "trace", "plan", "export"])
 @pytest.mark.parametrize("there", ["nowhere", "empty", "file"])
 def test_what_is_nothing_of_ours_is_one_line(tmp_path: Path, command: str, there: str) -> None:
