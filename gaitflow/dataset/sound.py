@@ -45,11 +45,12 @@ def table_fault(table: pa.Table, scenario: Mapping[str, Any]) -> str | None:
             space.task(row, split)
         except ValueError as error:
             return f"a task is none of the scenario's: {error}"
-    unsolved = table.filter(pc.not_equal(table["status"], "solved"))
+    texts = table.select(["status", "pattern", "gait"])  # without the motions, of which a filter makes a copy
+    is_solved = pc.equal(texts["status"], "solved")
+    solved, unsolved = texts.filter(is_solved), texts.filter(pc.invert(is_solved))
     for name in ("pattern", "gait"):
         nameless = set(pc.unique(unsolved[name]).to_pylist()) & NAMELESS
-        solved = set(pc.unique(table.filter(pc.equal(table["status"], "solved"))[name]).to_pylist())
-        for text in solved | set(pc.unique(table[name]).to_pylist()) - nameless:
+        for text in set(pc.unique(solved[name]).to_pylist()) | set(pc.unique(texts[name]).to_pylist()) - nameless:
             if fault := _pattern_fault(name, text, layout):
                 return fault
     return _motion_fault(table, layout)
