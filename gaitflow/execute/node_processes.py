@@ -12,7 +12,8 @@ from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from typing import Any
 
-from gaitflow.atlas.node import Each, NodeSolver
+from gaitflow.atlas.node import Each
+from gaitflow.atlas.plan_solver import PlanSolver
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern
 from gaitflow.execute.line_process import ONE_THREAD, die_with
@@ -23,7 +24,7 @@ PARTS = 4  # of its share that a process gets at once: solves take unequal times
 
 @contextmanager
 def node_processes(scenario: Scenario, workers: int) -> Iterator[Each | None]:
-    """What calls a `NodeSolver` in so many processes, which start when they are first needed; None for one.
+    """What calls a `PlanSolver` in so many processes, which start when they are first needed; None for one.
 
     Results are those of a call in this process, to the last bit.
     """
@@ -68,5 +69,5 @@ def _call(scenario: str, method: str, call: tuple[Pattern, Sequence[Any]]) -> An
 
 
 @functools.lru_cache(maxsize=1)
-def _solver(scenario: str) -> NodeSolver:
-    return NodeSolver(transcribe(Scenario.from_data(json.loads(scenario), "atlas")), [])
+def _solver(scenario: str) -> PlanSolver:
+    return PlanSolver(transcribe(Scenario.from_data(json.loads(scenario), "atlas")), [])

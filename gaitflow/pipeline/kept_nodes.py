@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from safetensors import SafetensorError
 from safetensors.numpy import load, save
 
@@ -23,10 +24,12 @@ from gaitflow.config.scenario import Scenario, digest_of
 from gaitflow.core.gaits import Pattern
 from gaitflow.files import make_folder
 from gaitflow.runtime.atlas import Prediction
+from gaitflow.runtime.starts import Start
 from gaitflow.tables.solver_code import SOLVER_SOURCES, package_digest, solver_version
 
-NODES, COSTS = ("node", "careful_node"), ("cost_at",)  # methods of a `NodeSolver`; another takes a tenth of the time
+NODES, COSTS = ("node", "careful_node"), ("cost_at", "cost_from")  # of a `PlanSolver`; others take a tenth of the time
 NODE_SOURCES = (*SOLVER_SOURCES, "atlas/node.py")
+PLAN_SOURCES = {"cost_from": ("atlas/plan_solver.py",)}  # further code that a method's results depend on
 _NUMBERS = ("slopes", "point", "tangents")
 
 
@@ -41,13 +44,14 @@ def kept_nodes(path: Path, scenario: Scenario, each: Each | None) -> Iterator[Ea
         return
     make_folder(path.parent)
     with closing(_Table(path)) as table:
-        yield _Keeping(table, _about(scenario), each)
+        about = {method: _about(scenario, PLAN_SOURCES.get(method, ())) for method in (*NODES, *COSTS)}
+        yield _Keeping(table, about, each)
 
 
 class _Keeping:
     """Calls for those nodes only that the table does not have."""
 
-    def __init__(self, table: _Table, about: str, each: Each) -> None:
+    def __init__(self, table: _Table, about: Mapping[str, str], each: Each) -> None:
         self._table, self._about, self._each = table, about, each
 
     def __call__(self, method: str, calls: Sequence[tuple[Pattern, Sequence[Any]]]) -> list[Any]:
@@ -64,9 +68,10 @@ class _Keeping:
             return [self._table.cost(found[key]) for key in keys]
         return [self._table.node(found[key], place) for key, (_, (place, *_)) in zip(keys, calls, strict=True)]
 
-    def _key(self, method: str, pattern: Pattern, place: Place, start: Prediction, *further: int) -> bytes:
-        digest = hashlib.sha256(" ".join(map(str, (self._about, method, pattern.text, *further))).encode())
-        for numbers in (place, [start.cost], start.point):
+    def _key(self, method: str, pattern: Pattern, place: Place, start: Prediction | Start, *further: int) -> bytes:
+        about = self._about[method]
+        digest = hashlib.sha256(" ".join(map(str, (about, method, pattern.text, *further))).encode())
+        for numbers in (place, *_numbers_of(start)):
             digest.update(np.asarray(numbers, dtype=np.float64).tobytes())
         return digest.digest()
 
@@ -108,10 +113,17 @@ class _Table:
             raise ValueError(f"{self._path}: {error}; remove it, and its nodes are solved again") from error
 
 
-def _about(scenario: Scenario) -> str:
-    """A digest of what all nodes of a scenario depend on."""
+def _numbers_of(start: Prediction | Start) -> tuple[ArrayLike, ...]:
+    if isinstance(start, Prediction):
+        return [start.cost], start.point
+    point = start.point
+    return [start.unit, start.barrier, start.careful], point.free, point.rows, point.lower, point.upper
+
+
+def _about(scenario: Scenario, further: Sequence[str]) -> str:
+    """A digest of what all results of a scenario depend on, and of `further` sources."""
     space, solver = scenario.tasks.space, solver_version()
-    code = solver | {"code": package_digest(NODE_SOURCES)}
+    code = solver | {"code": package_digest((*NODE_SOURCES, *further))}
     return digest_of({"problem": scenario.problem_data, "axes": [space.ranged, space.fixed], "code": code})
 
 

@@ -9,27 +9,20 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
-
-import numpy as np
 
 from gaitflow.core.task import Task
 from gaitflow.runtime.atlas import Atlas
 from gaitflow.runtime.attempt import FALLBACK, FAST, NOT_CONVERGED, STARTS, Attempt, Candidate, GaitRefiner, Run
 from gaitflow.runtime.manifest import Manifest
 from gaitflow.runtime.problem import Problem
+from gaitflow.runtime.starts import Start, starts_of
 from gaitflow.runtime.tensors import GaitTensors
 from gaitflow.solvers.interior_point import InteriorPoint, Outcome
 from gaitflow.solvers.options import CONVERGED
-from gaitflow.solvers.point import GaitSpace, Point
+from gaitflow.solvers.point import GaitSpace
 from gaitflow.solvers.program import Program
 
-# Barriers of the tries, by what they start from. Far starts take a higher barrier. Of 400 near solves the first try,
-# with a matrix of the right inertia, found 94 %, of which 0.5 % were 0.1 % dearer than the best known; without looking
-# after the inertia 4.8 %. Of the 6 % the second one found 92 %, more than any other.
-PRIMAL_BARRIER = 1e-2  # the prediction without its multipliers
-NODE_BARRIER = 1e-3
-MEAN_BARRIER = 1e-2
+MEAN_BARRIER = 1e-2  # of the mean of a region, far from any task
 LIMIT = 60  # iterations of a try: near cliffs some need twice the usual 25, and another start takes as many again
 RIVAL_LIMIT = 30  # of a candidate that may be cheaper, and has fewer tries: no plan of 137 came out dearer than with 60
 LEAST_COST = 1e-9
@@ -58,11 +51,11 @@ class Refiner(GaitRefiner):
         """
         started = time.perf_counter()
         parameters, method = task.parameters, self.method(candidate)
-        tries, limit = self._tries(candidate, method.space, task), LIMIT if most >= STARTS else RIVAL_LIMIT
-        first = next(tries)
+        starts, limit = self._starts(candidate, method.space, task), LIMIT if most >= STARTS else RIVAL_LIMIT
+        first = next(starts)
         run = Run(candidate, task, started, time.perf_counter())
-        for each in itertools.islice(itertools.chain([first], tries), most):
-            outcome = method.follow(parameters, each.start, each.unit, each.barrier, limit, each.predicted)
+        for each in itertools.islice(itertools.chain([first], starts), most):
+            outcome = method.follow(parameters, each.point, each.unit, each.barrier, limit, each.careful)
             run.iterations += outcome.iterations
             if outcome.converged:
                 attempt = self._fast(run, outcome)
@@ -74,10 +67,10 @@ class Refiner(GaitRefiner):
         """Solve for a task by IPOPT: from the prediction, then from the mean of the region."""
         started = time.perf_counter()
         parameters, space = task.parameters, self._space(candidate)
-        first = next(self._tries(candidate, space, task))
+        first = next(self._starts(candidate, space, task))
         run = Run(candidate, task, started, time.perf_counter())
         mean = self._tensors.mean(candidate.gait)
-        starts = [mean] if candidate.sheet is None else [space.join(first.start, first.unit), mean]
+        starts = [mean] if candidate.sheet is None else [space.join(first.point, first.unit), mean]
         for primal, bounds, rows in starts:
             answer = self._problem.ipopt(space, parameters, primal, bounds, rows)
             run.iterations += answer.iterations
@@ -103,33 +96,11 @@ class Refiner(GaitRefiner):
             return self._tensors.space(candidate.gait)
         return self.atlas.sheets[candidate.sheet].space
 
-    def _tries(self, candidate: Candidate, space: GaitSpace, task: Task) -> Iterator[_Try]:
+    def _starts(self, candidate: Candidate, space: GaitSpace, task: Task) -> Iterator[Start]:
         """Where the fast method may start, the best first."""
         if candidate.sheet is not None:
-            place = self.place(task)
-            predicted = self.atlas.predict(candidate.sheet, place)
-            if predicted is not None:
-                point = space.decode(predicted.point)
-                yield _Try(point, predicted.cost, self.atlas.barrier, predicted=True)
-                yield _Try(_primal(point), predicted.cost, PRIMAL_BARRIER)
-            # The nearest node says little that is new: the prediction is mostly its own.
-            node = self.atlas.nearest(candidate.sheet, place, 2)[-1]
-            yield _Try(space.decode(node.point), node.cost, NODE_BARRIER)
+            yield from starts_of(self.atlas, candidate.sheet, self.place(task))
             return
         primal, bounds, rows = self._tensors.mean(candidate.gait)
         unit = max(self._problem.cost(primal, task.parameters), LEAST_COST)
-        yield _Try(space.split(primal, bounds, rows, unit), unit, MEAN_BARRIER)
-
-
-def _primal(point: Point) -> Point:
-    """The point without its multipliers: those of bounds follow from the barrier."""
-    nothing = np.zeros_like(point.lower)
-    return Point(point.free, np.zeros_like(point.rows), nothing, nothing)
-
-
-@dataclass(frozen=True)
-class _Try:
-    start: Point
-    unit: float  # the cost that is expected
-    barrier: float
-    predicted: bool = False  # for this task, unit and all: then each step looks after the matrix's inertia
+        yield Start(space.split(primal, bounds, rows, unit), unit, MEAN_BARRIER)

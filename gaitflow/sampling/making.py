@@ -16,8 +16,9 @@ from gaitflow.atlas.fill import fill
 from gaitflow.atlas.grow import Growth
 from gaitflow.atlas.judge import Predictions, judge_predictions
 from gaitflow.atlas.mirror import NodeImages
-from gaitflow.atlas.node import Each, NodeSolver
+from gaitflow.atlas.node import Each
 from gaitflow.atlas.patterns import full_patterns, map_symmetry, nearly_best
+from gaitflow.atlas.plan_solver import PlanSolver
 from gaitflow.atlas.settle import known_costs, settle
 from gaitflow.certificate.judge import DEARER, Verdict
 from gaitflow.config.scenario import Scenario
@@ -40,7 +41,7 @@ class MapInMaking:
 
     `scalars` and `motions` read the rows of searched tasks: the columns without and the solutions with their motions.
     Where tasks have mirror images in the map (`gaitflow.dataset.mirror`), they read the rows of these as well.
-    `each` solves several nodes at once, see `NodeSolver`. Equal tasks, taken in the same order, make equal maps.
+    `each` solves several nodes at once, see `PlanSolver`. Equal tasks, taken in the same order, make equal maps.
     """
 
     def __init__(
@@ -63,8 +64,8 @@ class MapInMaking:
         self._symmetry = map_symmetry(scenario)
         axes = {axis: values.values for axis, values in scenario.tasks.ranges.items()}
         everywhere = Domain(axes, np.ones(tuple(map(len, axes.values())), dtype=bool))
-        solver = NodeSolver(self.problem, [], each)
-        self.growth = Growth(self.problem, solver, everywhere, on_node=lambda nodes: tell(f"{nodes} nodes"))
+        self.solver = PlanSolver(self.problem, [], each)
+        self.growth = Growth(self.problem, self.solver, everywhere, on_node=lambda nodes: tell(f"{nodes} nodes"))
         if has_images(scenario):
             self.growth.images = NodeImages(MirrorImage(scenario), tuple(axes))
 

@@ -12,20 +12,20 @@ from itertools import islice
 
 import numpy as np
 
-from gaitflow.atlas.node import Place, Request
+from gaitflow.atlas.node import Place
+from gaitflow.atlas.plan_solver import Try
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
-from gaitflow.runtime.atlas import Atlas, Prediction
+from gaitflow.runtime.atlas import Atlas
 from gaitflow.runtime.attempt import STARTS
 from gaitflow.runtime.plan import GREAT_SAVING, LEAST_SAVING, TOP
 from gaitflow.runtime.refine import LIMIT, RIVAL_LIMIT
+from gaitflow.runtime.starts import starts_of
 from gaitflow.sampling.making import MapInMaking
 from gaitflow.search.attempts import best_of, until_feasible
 from gaitflow.solvers.fixed_gait import FixedGaitSolver
 
-NODES = 2  # nearest nodes of a pattern from which a gait is solved where its prediction leads nowhere
-
-Asked = tuple[Request, int]  # with the iterations that it may take
+Asked = tuple[Try, int]  # with the iterations that it may take
 Solves = Generator[Asked, float | None, "Planned | None"]  # asks for solves, hears their costs, ends with the plan
 
 
@@ -50,9 +50,9 @@ class Planning:
 
     def plans(self, tasks: Sequence[Task]) -> list[Planned | None]:
         """The plan at each task, None where no gait has a motion."""
-        solver, places = self._making.growth.solver, [task.on(self._atlas.axes) for task in tasks]
+        places = [task.on(self._atlas.axes) for task in tasks]
         asked = [solves(self._atlas, place, self._sheets) for place in places]
-        found = together(asked, solver.costs_at)
+        found = together(asked, self._making.solver.costs_from)
         scale = self._making.problem.cost_scale
         return [
             self._from_other_starts(task) if plan is None else Planned(self._gaits[plan.gait], plan.cost * scale)
@@ -106,29 +106,22 @@ def _solved(
 ) -> Generator[Asked, float | None, float | None]:
     """The cost of the motion that one of `most` starts leads to."""
     limit = LIMIT if most >= STARTS else RIVAL_LIMIT
-    for start in islice(_starts(atlas, sheet, asked), most):
+    for start in islice(starts_of(atlas, sheet, asked), most):
         cost = yield (patterns[sheet], tuple(asked.tolist()), start), limit
         if cost is not None:
             return cost
     return None
 
 
-def _starts(atlas: Atlas, sheet: int, asked: Array) -> Generator[Prediction, None, None]:
-    predicted = atlas.predict(sheet, asked)
-    if predicted is not None:
-        yield predicted
-    yield from atlas.nearest(sheet, asked, NODES)
-
-
 def together(
-    asked: Iterable[Solves], solve: Callable[[Sequence[Request], int], Sequence[float | None]]
+    asked: Iterable[Solves], solve: Callable[[Sequence[Try], int], Sequence[float | None]]
 ) -> list[Planned | None]:
     """What generators end with; `solve` is given the requests of all that go on, those of one limit at a time."""
     going = list(asked)
     found: list[Planned | None] = [None] * len(going)
     answers: dict[int, float | None] = dict.fromkeys(range(len(going)))
     while answers:
-        requests: dict[int, dict[int, Request]] = {}
+        requests: dict[int, dict[int, Try]] = {}
         for number, answer in answers.items():
             try:
                 request, limit = going[number].send(answer)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from gaitflow.core import check
-from gaitflow.runtime import atlas, attempt, condensed, gait_map, plan, refine
+from gaitflow.runtime import atlas, attempt, condensed, gait_map, plan, refine, starts
 from gaitflow.solvers import interior_point, kkt, point
 
 CONSTANTS = {
@@ -28,7 +28,7 @@ CONSTANTS = {
     "condensed.hpp": {"largest_log": condensed.LARGEST_LOG},
     "starts.hpp": {
         "most": attempt.STARTS,
-        "primal_barrier": refine.PRIMAL_BARRIER, "node_barrier": refine.NODE_BARRIER,
+        "primal_barrier": starts.PRIMAL_BARRIER, "node_barrier": starts.NODE_BARRIER,
         "mean_barrier": refine.MEAN_BARRIER, "least_cost": refine.LEAST_COST,
     },
     "refine.hpp": {"feasible_within": check.FEASIBLE, "limit": refine.LIMIT, "rival_limit": refine.RIVAL_LIMIT},

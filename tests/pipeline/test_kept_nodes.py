@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sqlite3
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +13,11 @@ import pytest
 from tiny_map import GALLOP, SOLVED_AT, solution_of, solved_at, task_of, tiny_domain, tiny_problem
 
 from gaitflow.atlas.grow import Growth, grow
-from gaitflow.atlas.node import NodeSolver
+from gaitflow.atlas.plan_solver import PlanSolver
 from gaitflow.core.gaits import Pattern
 from gaitflow.pipeline import kept_nodes as module
 from gaitflow.pipeline.kept_nodes import kept_nodes
+from gaitflow.runtime.starts import Start
 
 PATTERN, *TASK = SOLVED_AT[GALLOP]
 
@@ -25,7 +27,7 @@ class Here:
 
     def __init__(self) -> None:
         self.asked = list[str]()
-        self._solver = NodeSolver(tiny_problem(), [Pattern.from_text(PATTERN)])
+        self._solver = PlanSolver(tiny_problem(), [Pattern.from_text(PATTERN)])
 
     def __call__(self, method: str, calls: Sequence[tuple[Pattern, Sequence[Any]]]) -> list[Any]:
         self.asked += [method] * len(calls)
@@ -83,10 +85,17 @@ def test_costs_are_kept_and_refinements_are_not(table: Path, tmp_path: Path) -> 
             assert each is not None
             assert each("cost_at", [call, hopeless]) == [pytest.approx(node.cost), None]
     assert here.asked == ["cost_at"] * 2, "the limit of iterations tells two calls apart"
+    start = Start(PlanSolver(tiny_problem(), [call[0]]).methods[0].space.decode(call[1][1].point), node.cost, 1e-4)
+    tries = [(call[0], (node.place, one, 20)) for one in (start, replace(start, barrier=1e-3), start)]
+    for _ in range(2):
+        with kept_nodes(path, tiny_problem().scenario, here) as each:
+            assert each is not None
+            assert each("cost_from", tries) == [pytest.approx(node.cost)] * 3
+    assert here.asked[2:] == ["cost_from"] * 2, "a barrier does as well"
     for _ in range(2):
         with kept_nodes(path, tiny_problem().scenario, here) as each:
             assert each is not None and each("refined", [call])[0].converged
-    assert here.asked[2:] == ["refined"] * 2
+    assert here.asked[4:] == ["refined"] * 2
 
 
 def test_other_code_solves_anew(table: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

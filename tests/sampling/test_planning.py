@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 import pytest
+from tiny_map import tiny_atlas, tiny_growth
 
-from gaitflow.atlas.node import Request
+from gaitflow.atlas.plan_solver import PlanSolver, Try
+from gaitflow.runtime import GaitMap
 from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.attempt import STARTS
 from gaitflow.runtime.refine import LIMIT, RIVAL_LIMIT
-from gaitflow.sampling.planning import NODES, Planned, solves, together
+from gaitflow.sampling.planning import Planned, solves, together
 from tests.helpers.sheets import sheet
 
 STEPS = np.array([1.0, 1.0])
@@ -33,7 +37,7 @@ class Solver:
     def __init__(self, costs: Mapping[int, float]) -> None:
         self.costs, self.batches, self.limits = costs, list[list[int]](), list[int]()
 
-    def __call__(self, requests: Sequence[Request], limit: int) -> list[float | None]:
+    def __call__(self, requests: Sequence[Try], limit: int) -> list[float | None]:
         self.limits.append(limit)
         self.batches.append([pattern for pattern, _, _ in requests])
         return [self.costs.get(pattern) for pattern, _, _ in requests]
@@ -66,8 +70,8 @@ def test_a_half_believed_rival_is_solved_too() -> None:
 
 def test_a_gait_without_a_motion_is_tried_from_its_nodes_and_left_for_the_next() -> None:
     made = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2))
-    assert planned(made, AMID, {1: 1.2}) == (Planned(1, 1.2), [0] * (1 + NODES) + [1])
-    assert planned(made, AMID, {}) == (None, [0] * (1 + NODES) + [1] * (1 + NODES))
+    assert planned(made, AMID, {1: 1.2}) == (Planned(1, 1.2), [0] * STARTS + [1])
+    assert planned(made, AMID, {}) == (None, [0] * STARTS + [1] * STARTS)
 
 
 def test_where_no_gait_is_known_nothing_is_solved() -> None:
@@ -78,7 +82,7 @@ def test_tasks_are_solved_side_by_side() -> None:
     made, solver = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2)), Solver({1: 1.2})
     plans = together([solves(made, place, [0, 1]) for place in (AMID, (9.0, 9.0), (0.5, 0.5))], solver)
     assert plans == [Planned(1, 1.2), None, Planned(1, 1.2)]
-    assert solver.batches == [[0, 0]] * (1 + NODES) + [[1, 1]]
+    assert solver.batches == [[0, 0]] * STARTS + [[1, 1]]
 
 
 def test_what_may_be_cheaper_gets_fewer_iterations() -> None:
@@ -91,3 +95,18 @@ def test_what_may_be_cheaper_gets_fewer_iterations() -> None:
 def test_as_many_plans_as_tasks(number: int) -> None:
     made = atlas(sheet_of(0, 1.0))
     assert len(together([solves(made, AMID, [0]) for _ in range(number)], Solver({0: 1.0}))) == number
+
+
+def test_plans_are_those_of_the_published_map(pristine: Path) -> None:
+    gait_map, grown = GaitMap.load(pristine), tiny_growth()
+    solver = PlanSolver(grown.problem, grown.solver.patterns)
+    rng = np.random.default_rng(0)
+    places = [
+        tuple(rng.uniform([axis[0] for axis in grown.grid], [axis[-1] for axis in grown.grid])) for _ in range(12)
+    ]
+    plans = together([solves(tiny_atlas(), place, [0, 1]) for place in places], solver.costs_from)
+    for place, plan in zip(places, plans, strict=True):
+        published = gait_map.plan(**dict(zip(gait_map.axes, place, strict=True)), beyond=True)
+        assert plan is not None and published.feasible and published.path != "fallback"
+        assert gait_map.gaits[plan.gait].name == published.gait
+        assert plan.cost * grown.problem.cost_scale == pytest.approx(published.cost, rel=1e-9)

@@ -1,0 +1,5 @@
+"""The small real map."""
+
+from tiny_map import pristine, tiny
+
+__all__ = ["pristine", "tiny"]
