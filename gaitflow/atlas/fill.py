@@ -70,7 +70,7 @@ def fill(
     done = 0
     for number in range(rounds):
         atlas = compiled()
-        sheets = [sheet for sheet, nodes in enumerate(growth.nodes) if nodes]
+        sheets = growth.numbers_of(atlas)
         wrong = list[tuple[Cell, float]]()
         left -= len(cells)
         for first in range(0, len(cells), AT_ONCE):

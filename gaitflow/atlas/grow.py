@@ -21,7 +21,7 @@ from gaitflow.core.domain import Domain
 from gaitflow.core.gaits import Pattern
 from gaitflow.core.trajectory import Array
 from gaitflow.problem import GaitProblem
-from gaitflow.runtime.atlas import Prediction
+from gaitflow.runtime.atlas import Atlas, Prediction
 from gaitflow.search.solution import Solution
 
 COMPETITIVE = 1.15  # a gait is seeded at, and spreads from, tasks where it costs at most this times the cheapest;
@@ -88,6 +88,11 @@ class Growth:
     def inside(self, place: Place) -> bool:
         """Whether there may be nodes at a place."""
         return self.domain.contains(dict(zip(self.domain.axes, place, strict=True)))
+
+    def numbers_of(self, atlas: Atlas) -> list[int]:
+        """The numbers of the patterns of an atlas' sheets, in their order: a pattern without nodes inside has none."""
+        patterns = [pattern.text for pattern in self.solver.patterns]
+        return [patterns.index(sheet.pattern) for sheet in atlas.sheets]
 
     def extend(self, patterns: Sequence[Pattern]) -> None:
         """Take in more full patterns, numbered after those that there are."""

@@ -33,7 +33,7 @@ class Predictions:
 
 def judge_predictions(growth: Growth, atlas: Atlas, tasks: int = TASKS) -> Predictions:
     """Predictions at random tasks inside the domain. Equal atlases give equal numbers."""
-    rng, sheets = np.random.default_rng(SEED), [number for number, nodes in enumerate(growth.nodes) if nodes]
+    rng, sheets = np.random.default_rng(SEED), growth.numbers_of(atlas)
     low, high = ([axis[end] for axis in growth.grid] for end in (0, -1))
     drawn = (tuple(rng.uniform(low, high).tolist()) for _ in range(TRIES * tasks))
     places = [place for place in drawn if growth.inside(place)][:tasks]

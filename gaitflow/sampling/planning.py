@@ -44,8 +44,7 @@ class Planning:
         self._making = making
         self._gaits = sorted(making.picked)
         self._atlas = making.built().of(self._gaits)
-        patterns = [pattern.text for pattern in making.growth.solver.patterns]
-        self._sheets = [patterns.index(sheet.pattern) for sheet in self._atlas.sheets]
+        self._sheets = making.growth.numbers_of(self._atlas)
         self._solver = FixedGaitSolver(making.problem, making.scenario.strategy.solve_time_limit)
 
     def plans(self, tasks: Sequence[Task]) -> list[Planned | None]:

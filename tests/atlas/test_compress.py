@@ -78,6 +78,11 @@ def test_nodes_outside_the_domain_are_left_out(grown: Growth) -> None:
     kept = {tuple(place) for sheet in atlas.sheets for place in sheet.tasks.tolist()}
     assert kept == {place for nodes in grown.nodes for place in nodes if inside.inside(place)}
     assert any(not inside.inside(place) for nodes in grown.nodes for place in nodes)
+    feasible = np.ones_like(feasible)
+    feasible[0] = False  # of its least speed
+    fast = Growth(grown.problem, grown.solver, Domain(grown.domain.axes, feasible))
+    fast.nodes = [{at: node for at, node in grown.nodes[0].items() if not fast.inside(at)}, grown.nodes[1]]
+    assert fast.nodes[0] and fast.numbers_of(build_atlas(fast, [0, 1])) == [1], "its first sheet is not pattern 0"
     nowhere = Growth(grown.problem, grown.solver, Domain(grown.domain.axes, np.zeros_like(feasible)))
     nowhere.nodes = grown.nodes
     assert build_atlas(nowhere, [0, 1]).sheets == ()
