@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 
+import numpy as np
+
 from gaitflow.export.classifier_data import read_classifier
 from gaitflow.export.folder import refuse_foreign, write_folder
 from gaitflow.export.functions import FILES, c_files
@@ -57,7 +59,9 @@ def export_c(model: Path, folder: Path, trust_code: bool = False) -> Exported:
     classifier = read_classifier(onnx, manifest.classifier_kind, str(source / CLASSIFIER))
     digest = hashlib.sha256(read_limited(source / MANIFEST, LIMITS[MANIFEST])).digest()
     written = {MAP: map_bytes(artifact, digest, classifier)}
-    written |= c_files(load_problem(source, manifest, artifact.tensors.rows, trust_code), manifest.name)
+    problem = load_problem(source, manifest, artifact.tensors.rows, trust_code)
+    default_feet = np.array([leg["default_foot"] for leg in manifest.scenario["robot"]["legs"]])
+    written |= c_files(problem, manifest.layout, default_feet, manifest.name)
     written |= {name: files("gaitflow.export").joinpath("cpp", name).read_bytes() for name in COPIED}
     write_folder(folder, written)
     return Exported(source, folder, {name: len(data) for name, data in written.items()})

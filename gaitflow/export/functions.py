@@ -1,4 +1,4 @@
-"""The map's problem and its derivatives as C, by CasADi's code generator."""
+"""The map's problem, its derivatives and its nominal start as C, by CasADi's code generator."""
 
 from __future__ import annotations
 
@@ -10,22 +10,28 @@ from typing import Any
 
 import casadi
 
+from gaitflow.core.layout import Layout
+from gaitflow.core.trajectory import Array
+from gaitflow.export.nominal import nominal
 from gaitflow.export.piecewise import piecewise
 from gaitflow.problem import SeparableProblem
 from gaitflow.solvers.program import derivatives
 
 # What each file holds. One function for all derivatives would take a compiler minutes and gigabytes in space.
-FILES = {"problem": ("problem", "gradient"), "jacobian": ("jacobian",), "hessian": ("hessian",)}
+FILES = {"problem": ("problem", "gradient", "nominal"), "jacobian": ("jacobian",), "hessian": ("hessian",)}
 
 
-def c_files(problem: SeparableProblem, scenario: str) -> dict[str, bytes]:
-    """Sources and headers by name; `problem` is the map's.
+def c_files(problem: SeparableProblem, layout: Layout, default_feet: Array, scenario: str) -> dict[str, bytes]:
+    """Sources and headers by name; `problem` is the map's, and `default_feet` [legs, d] its robot's.
 
     Each function's name begins with the scenario's, so that a planner may link several maps; map.h declares all of
     them and gives them names that every map has. Equal problems give equal files.
     """
     prefix = identifier(scenario)
     functions = _functions(problem, prefix)
+    task = casadi.SX.sym("task", problem.function.numel_in(1))
+    start = nominal(layout, default_feet, task)
+    functions["nominal"] = casadi.Function(f"{prefix}_nominal", [task], [casadi.densify(start)], ["task"], ["w"])
     files = {"map.h": _shared_names(prefix)}
     for name, held in FILES.items():
         files |= _generated(name, prefix, [functions[each] for each in held])

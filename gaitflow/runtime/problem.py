@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import gaitflow
 from gaitflow.core.errors import ArtifactError
+from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime import legacy
 from gaitflow.runtime.files import MANIFEST, PROBLEM_CHECK, read_checked
@@ -25,6 +26,7 @@ from gaitflow.solvers.point import GaitSpace
 from gaitflow.solvers.program import derivatives
 
 if TYPE_CHECKING:
+    from gaitflow.config.robot import Robot
     from gaitflow.problem import SeparableProblem
 
 # IPOPT with MUMPS crashes when two threads of one process solve at once (casadi issue 3456).
@@ -44,7 +46,7 @@ class Problem:
     """A map's problem with its derivatives, shared by all threads. Raises what `load_problem` does."""
 
     def __init__(self, folder: Path, manifest: Manifest, rows: int, trust_code: bool = False) -> None:
-        self._options, self._where = manifest.solver_options, folder / MANIFEST
+        self._manifest, self._where = manifest, folder / MANIFEST
         self.separable = load_problem(folder, manifest, rows, trust_code)
         self.derivatives = derivatives(self.separable)
 
@@ -67,14 +69,26 @@ class Problem:
         """The problem's cost of w [nw] at a task [axes]."""
         return float(self.separable.function(w, task)[0])
 
+    def nominal(self, task: Task) -> Array:
+        """The decision vector [nw] of an upright glide along the command, where the map's searches started, too."""
+        from gaitflow.search.starts import nominal
+
+        return nominal(self._robot, self._manifest.layout, task)
+
+    @cached_property
+    def _robot(self) -> Robot:
+        from gaitflow.config.robot import Robot
+
+        return Robot.from_data(self._manifest.scenario["robot"], f"{self._where}: scenario.robot")
+
     @cached_property
     def _ipopt(self) -> Any:
         from gaitflow.solvers.ipopt import make_ipopt
 
         try:
-            return make_ipopt(self.separable.function, {**IPOPT_WARM, "max_iter": 300, **self._options})
+            return make_ipopt(self.separable.function, {**IPOPT_WARM, "max_iter": 300, **self._manifest.solver_options})
         except RuntimeError as error:  # its own ranges are narrower than what a manifest may say
-            reason, given = str(error).strip().splitlines()[-1][-120:], short(dict(self._options))
+            reason, given = str(error).strip().splitlines()[-1][-120:], short(dict(self._manifest.solver_options))
             raise ArtifactError(
                 f"{self._where}: solver.options = {given}: IPOPT does not take these ({reason}); publish the map again"
             ) from None

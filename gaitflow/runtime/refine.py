@@ -9,13 +9,14 @@ from __future__ import annotations
 import itertools
 import time
 from collections.abc import Iterator
+from functools import partial
 
 from gaitflow.core.task import Task
 from gaitflow.runtime.atlas import Atlas
 from gaitflow.runtime.attempt import FALLBACK, FAST, NOT_CONVERGED, STARTS, Attempt, Candidate, GaitRefiner, Run
 from gaitflow.runtime.manifest import Manifest
 from gaitflow.runtime.problem import Problem
-from gaitflow.runtime.starts import Start, starts_of
+from gaitflow.runtime.starts import NEAR_AXES, Start, starts_of
 from gaitflow.runtime.tensors import GaitTensors
 from gaitflow.solvers.interior_point import InteriorPoint, Outcome
 from gaitflow.solvers.options import CONVERGED
@@ -26,6 +27,11 @@ MEAN_BARRIER = 1e-2  # of the mean of a region, far from any task
 LIMIT = 60  # iterations of a try: near cliffs some need twice the usual 25, and another start takes as many again
 RIVAL_LIMIT = 30  # of a candidate that may be cheaper, and has fewer tries: no plan of 137 came out dearer than with 60
 LEAST_COST = 1e-9
+
+
+def limit_of(atlas: Atlas, most: int) -> int:
+    """The iterations of each of at most `most` tries of a candidate; the nominal start leads to a motion in the end."""
+    return RIVAL_LIMIT if most < STARTS and len(atlas.axes) <= NEAR_AXES else LIMIT
 
 
 class Refiner(GaitRefiner):
@@ -44,14 +50,14 @@ class Refiner(GaitRefiner):
             self.method(Candidate(sheet.gait, number))
 
     def fast(self, candidate: Candidate, task: Task, most: int = STARTS) -> Attempt:
-        """Solve for a task by the fast method: from the prediction, with and without its multipliers, then from a node.
+        """Solve for a task by the fast method, from the `starts_of` the candidate's sheet.
 
         A candidate that the atlas does not know is solved from the mean of its region. `most` is how many tries there
         may be. Where it does not converge the motion is the last try's.
         """
         started = time.perf_counter()
         parameters, method = task.parameters, self.method(candidate)
-        starts, limit = self._starts(candidate, method.space, task), LIMIT if most >= STARTS else RIVAL_LIMIT
+        starts, limit = self._starts(candidate, method.space, task), limit_of(self.atlas, most)
         first = next(starts)
         run = Run(candidate, task, started, time.perf_counter())
         for each in itertools.islice(itertools.chain([first], starts), most):
@@ -99,7 +105,8 @@ class Refiner(GaitRefiner):
     def _starts(self, candidate: Candidate, space: GaitSpace, task: Task) -> Iterator[Start]:
         """Where the fast method may start, the best first."""
         if candidate.sheet is not None:
-            yield from starts_of(self.atlas, candidate.sheet, self.place(task))
+            nominal = partial(self._problem.nominal, task)
+            yield from starts_of(self.atlas, candidate.sheet, self.place(task), nominal)
             return
         primal, bounds, rows = self._tensors.mean(candidate.gait)
         unit = max(self._problem.cost(primal, task.parameters), LEAST_COST)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Sequence, Set
 from dataclasses import dataclass
+from functools import partial
 from itertools import islice
 
 import numpy as np
@@ -19,14 +20,17 @@ from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas
 from gaitflow.runtime.attempt import STARTS
 from gaitflow.runtime.plan import GREAT_SAVING, LEAST_SAVING, TOP
-from gaitflow.runtime.refine import LIMIT, RIVAL_LIMIT
+from gaitflow.runtime.refine import limit_of
 from gaitflow.runtime.starts import starts_of
 from gaitflow.sampling.making import MapInMaking
+from gaitflow.search import starts
 from gaitflow.search.attempts import best_of, until_feasible
 from gaitflow.solvers.fixed_gait import FixedGaitSolver
 
 Asked = tuple[Try, int]  # with the iterations that it may take
 Solves = Generator[Asked, float | None, "Planned | None"]  # asks for solves, hears their costs, ends with the plan
+Solved = Generator[Asked, float | None, float | None]  # asks for the solves of one sheet, ends with its cost
+Nominal = Callable[[Place], Array]  # the nominal start w [nw] at a place
 
 
 @dataclass(frozen=True)
@@ -50,13 +54,18 @@ class Planning:
     def plans(self, tasks: Sequence[Task]) -> list[Planned | None]:
         """The plan at each task, None where no gait has a motion."""
         places = [task.on(self._atlas.axes) for task in tasks]
-        asked = [solves(self._atlas, place, self._sheets) for place in places]
+        asked = [solves(self._atlas, place, self._sheets, self._nominal) for place in places]
         found = together(asked, self._making.solver.costs_from)
         scale = self._making.problem.cost_scale
         return [
             self._from_other_starts(task) if plan is None else Planned(self._gaits[plan.gait], plan.cost * scale)
             for task, plan in zip(tasks, found, strict=True)
         ]
+
+    def _nominal(self, place: Place) -> Array:
+        scenario, layout = self._making.scenario, self._making.problem.layout
+        task = scenario.tasks.space.task(dict(zip(self._atlas.axes, place, strict=True)))
+        return starts.nominal(scenario.robot, layout, task)
 
     def _from_other_starts(self, task: Task) -> Planned | None:
         """The first gait that has a motion from other starts than the map's, as a plan's last resort."""
@@ -69,44 +78,43 @@ class Planning:
         return None
 
 
-def solves(atlas: Atlas, place: Place, patterns: Sequence[int]) -> Solves:
+def solves(atlas: Atlas, place: Place, patterns: Sequence[int], nominal: Nominal) -> Solves:
     """The solves of a plan at a place: `refine_ranked` without its last resort. Costs are the problem's.
 
     `patterns` are the numbers by which the atlas' sheets are solved.
     """
     asked = np.array(place)
+    solved = partial(_solved, atlas, asked, patterns, nominal)
     candidates = atlas.by_cost(asked)
     gaits = list(dict.fromkeys(atlas.sheets[sheet].gait for sheet in candidates))[:TOP]
     tried = set[int]()
     for sheet in (sheet for sheet in candidates if atlas.sheets[sheet].gait in gaits):
         tried.add(sheet)
-        cost = yield from _solved(atlas, sheet, asked, patterns, STARTS)
+        cost = yield from solved(sheet, STARTS)
         if cost is not None:
-            return (yield from _cheapest(atlas, Planned(atlas.sheets[sheet].gait, cost), tried, asked, patterns))
+            return (yield from _cheapest(atlas, Planned(atlas.sheets[sheet].gait, cost), tried, asked, solved))
     return None
 
 
 def _cheapest(
-    atlas: Atlas, first: Planned, tried: Set[int], asked: Array, patterns: Sequence[int]
+    atlas: Atlas, first: Planned, tried: Set[int], asked: Array, solved: Callable[[int, int], Solved]
 ) -> Generator[Asked, float | None, Planned]:
     """The plan that was found first, or another one that is cheaper, where one may be."""
     best, least = first, atlas.least_costs(asked)
     for rival in np.argsort(least, kind="stable").tolist():
         if rival not in tried and least[rival] < best.cost * (1 - LEAST_SAVING):
             most = 2 if least[rival] < best.cost * (1 - GREAT_SAVING) else 1
-            cost = yield from _solved(atlas, rival, asked, patterns, most)
+            cost = yield from solved(rival, most)
             if cost is not None and cost < best.cost * (1 - LEAST_SAVING):
                 best = Planned(atlas.sheets[rival].gait, cost)
     return best
 
 
-def _solved(
-    atlas: Atlas, sheet: int, asked: Array, patterns: Sequence[int], most: int
-) -> Generator[Asked, float | None, float | None]:
-    """The cost of the motion that one of `most` starts leads to."""
-    limit = LIMIT if most >= STARTS else RIVAL_LIMIT
-    for start in islice(starts_of(atlas, sheet, asked), most):
-        cost = yield (patterns[sheet], tuple(asked.tolist()), start), limit
+def _solved(atlas: Atlas, asked: Array, patterns: Sequence[int], nominal: Nominal, sheet: int, most: int) -> Solved:
+    """The cost of the motion that one of `most` starts of a sheet leads to."""
+    place, limit = tuple(asked.tolist()), limit_of(atlas, most)
+    for start in islice(starts_of(atlas, sheet, asked, partial(nominal, place)), most):
+        cost = yield (patterns[sheet], place, start), limit
         if cost is not None:
             return cost
     return None

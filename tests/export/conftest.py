@@ -1,4 +1,4 @@
-"""The small real map, exported: as it is, with a perceptron and an atlas that has more to choose from, over slopes."""
+"""The small real map, exported: as it is; with a perceptron and a fuller atlas; over slopes; over four axes."""
 
 from __future__ import annotations
 
@@ -62,9 +62,9 @@ def thinned(sheet: Sheet, kept: np.ndarray) -> Sheet:
     return replace(sheet, **{name: getattr(sheet, name)[kept] for name in names}, tear=float(np.median(spread)))
 
 
-def sloped_scenario() -> Scenario:
-    """Speed, cycle duration and slope; linear forces on graded knots."""
-    data = scenario_of(slope=Range(start=-10.0, stop=10.0, count=3)).as_data()
+def sloped_scenario(**axes: Range) -> Scenario:
+    """Speed, cycle duration, slope and further axes; linear forces on graded knots."""
+    data = scenario_of(slope=Range(start=-10.0, stop=10.0, count=3), **axes).as_data()
     data["transcription"] |= {"integrator": "momentum", "forces": "linear", "grading": 0.7, "knots_per_phase": 3}
     return Scenario.from_data(data, "sloped")
 
@@ -73,7 +73,7 @@ def scattered_sheet(problem: GaitProblem, pattern: str, gait: int) -> Sheet:
     """Random nodes over the box of the tasks, random modes and tangents: what the atlas predicts need not be good."""
     random, modes, nodes = np.random.default_rng(gait), 5, 60
     ranges = problem.scenario.tasks.ranges.values()
-    tasks = random.uniform([r.start for r in ranges], [r.stop for r in ranges], (nodes, 3))
+    tasks = random.uniform([r.start for r in ranges], [r.stop for r in ranges], (nodes, len(ranges)))
     bounds = problem.bounds(Pattern.from_text(pattern))
     space = GaitSpace(bounds.lower, bounds.upper, bounds.lower_rows, bounds.upper_rows)
     return Sheet(
@@ -82,19 +82,19 @@ def scattered_sheet(problem: GaitProblem, pattern: str, gait: int) -> Sheet:
         space=space,
         tasks=tasks,
         costs=random.uniform(1.0, 1.2, nodes),
-        slopes=random.normal(0, 0.1, (nodes, 3)),
+        slopes=random.normal(0, 0.1, (nodes, len(ranges))),
         mean=random.normal(size=space.size).astype(np.float32),
         modes=random.normal(size=(modes, space.size)).astype(np.float32),
         coordinates=random.normal(size=(nodes, modes)).astype(np.float32),
-        tangents=random.normal(0, 0.1, (nodes, 3, modes)).astype(np.float32),
+        tangents=random.normal(0, 0.1, (nodes, len(ranges), modes)).astype(np.float32),
         tear=3.0,
-        infeasible=random.uniform([r.start for r in ranges], [r.stop for r in ranges], (nodes // 4, 3)),
+        infeasible=random.uniform([r.start for r in ranges], [r.stop for r in ranges], (nodes // 4, len(ranges))),
     )
 
 
-def sloped_map(tiny: TinyMap) -> TinyMap:
-    """A map of three axes; its vectors are random, so that everything has to be put in its right place."""
-    problem = transcribe(sloped_scenario())
+def scattered_map(tiny: TinyMap, scenario: Scenario) -> TinyMap:
+    """A map over a scenario's axes; its vectors are random, so that everything has to be put in its right place."""
+    problem = transcribe(scenario)
     ranges, random = problem.scenario.tasks.ranges, np.random.default_rng(3)
     feasible = random.random([each.count for each in ranges.values()]) < 0.95
     starts = [
@@ -112,9 +112,9 @@ def sloped_map(tiny: TinyMap) -> TinyMap:
         tiny,
         problem=problem,
         domain=Domain({axis: each.values for axis, each in ranges.items()}, feasible),
-        classifier=perceptron(2, 3),
+        classifier=perceptron(2, len(ranges)),
         starts=tuple(starts),
-        atlas=Atlas(tuple(ranges), steps * [1.0, 0.5, 0.5], 1e-4, tuple(sheets)),
+        atlas=Atlas(tuple(ranges), steps * [1.0, *[0.5] * (len(ranges) - 1)], 1e-4, tuple(sheets)),
     )
 
 
@@ -134,5 +134,14 @@ def crowded_export(tiny: TinyMap, tmp_path_factory: pytest.TempPathFactory) -> E
 @pytest.fixture(scope="session")
 def sloped_export(tiny: TinyMap, tmp_path_factory: pytest.TempPathFactory) -> Exported:
     """A map of three axes with linear forces."""
-    model = write_map(sloped_map(tiny), tmp_path_factory.mktemp("sloped") / "quickstart")
+    made = scattered_map(tiny, sloped_scenario())
+    model = write_map(made, tmp_path_factory.mktemp("sloped") / "quickstart")
     return export_c(model, tmp_path_factory.mktemp("sloped-exports") / "c")
+
+
+@pytest.fixture(scope="session")
+def wide_export(tiny: TinyMap, tmp_path_factory: pytest.TempPathFactory) -> Exported:
+    """A map of four axes, whose plans take the nominal start."""
+    made = scattered_map(tiny, sloped_scenario(payload=Range(start=0.0, stop=5.0, count=2)))
+    model = write_map(made, tmp_path_factory.mktemp("wide") / "quickstart")
+    return export_c(model, tmp_path_factory.mktemp("wide-exports") / "c")

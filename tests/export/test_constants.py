@@ -27,7 +27,7 @@ CONSTANTS = {
     "point.hpp": {"largest_log": point.LARGEST_LOG},
     "condensed.hpp": {"largest_log": condensed.LARGEST_LOG},
     "starts.hpp": {
-        "most": attempt.STARTS,
+        "most": attempt.STARTS, "near_axes": starts.NEAR_AXES, "nominal_barrier": starts.NOMINAL_BARRIER,
         "primal_barrier": starts.PRIMAL_BARRIER, "node_barrier": starts.NODE_BARRIER,
         "mean_barrier": refine.MEAN_BARRIER, "least_cost": refine.LEAST_COST,
     },

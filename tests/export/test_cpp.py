@@ -161,7 +161,8 @@ def test_two_maps_link_into_one_program(exported: Exported, tmp_path: Path) -> N
     problem = load_problem(exported.model, artifact.manifest, artifact.tensors.rows)
     other = tmp_path / "other"
     other.mkdir()
-    for name, content in c_files(problem, "2d-other").items():
+    feet = np.array([leg["default_foot"] for leg in artifact.manifest.scenario["robot"]["legs"]])
+    for name, content in c_files(problem, artifact.manifest.layout, feet, "2d-other").items():
         (other / name).write_bytes(content)
     library = shared(tmp_path, exported.folder, other)
     for name in ("quickstart_problem", "map_2d_other_problem"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 import casadi
+import numpy as np
 import pytest
 from tiny_map import TinyMap
 
@@ -28,7 +29,9 @@ def test_a_scenario_becomes_a_name_in_c(scenario: str, name: str) -> None:
 
 
 def test_every_name_begins_with_the_map_and_equal_problems_give_equal_files(tiny: TinyMap) -> None:
-    files = c_files(tiny.problem.separable, "my-map")
+    robot, layout = tiny.problem.scenario.robot, tiny.problem.layout
+    feet = np.array([leg.default_foot for leg in robot.legs])
+    files = c_files(tiny.problem.separable, layout, feet, "my-map")
     assert sorted(files) == [
         "hessian.c", "hessian.h", "jacobian.c", "jacobian.h", "map.h", "problem.c", "problem.h",
     ]  # fmt: skip
@@ -38,4 +41,4 @@ def test_every_name_begins_with_the_map_and_equal_problems_give_equal_files(tiny
             assert defined and all(each.startswith(b"my_map_") for each in defined), name
     assert b"#define gaitflow_hessian my_map_hessian\n" in files["map.h"]
     assert b"my_map_gradient(const casadi_real** arg" in files["problem.h"]
-    assert c_files(tiny.problem.separable, "my-map") == files
+    assert c_files(tiny.problem.separable, layout, feet, "my-map") == files

@@ -46,11 +46,10 @@ def test_a_command_is_followed(gait_map: GaitMap, command: tuple[float, float, f
 
 
 @pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
-def test_the_mirrored_command_costs_about_the_same(gait_map: GaitMap, command: tuple[float, float, float]) -> None:
-    """Not quite: nodes of a gait that is its own image have no images, and may be other local optima."""
+def test_the_mirrored_command_costs_the_same(gait_map: GaitMap, command: tuple[float, float, float]) -> None:
     speed, lateral_speed, yaw_rate = command
     one, other = planned(gait_map, *command), planned(gait_map, speed, -lateral_speed, -yaw_rate)
-    assert other.feasible and other.cost == pytest.approx(one.cost, rel=0.25)
+    assert other.feasible and other.cost == pytest.approx(one.cost, rel=1e-3)
 
 
 def test_who_stands_still_steps_on_the_spot(gait_map: GaitMap) -> None:

@@ -31,6 +31,11 @@ def atlas(*sheets: object) -> Atlas:
     return Atlas(("speed", "cycle_duration"), STEPS, 1e-4, tuple(sheets))  # type: ignore[arg-type]
 
 
+def unasked(place: tuple[float, ...]) -> np.ndarray:
+    """The nominal start over few axes, where no plan takes it."""
+    raise AssertionError(f"asked for a nominal start at {place}")
+
+
 class Solver:
     """Costs of patterns by their numbers; a pattern without one has no motion."""
 
@@ -46,7 +51,7 @@ class Solver:
 def planned(made: Atlas, place: tuple[float, float], costs: Mapping[int, float]) -> tuple[Planned | None, list[int]]:
     """The plan, and the patterns that were solved in their order."""
     solver = Solver(costs)
-    [plan] = together([solves(made, place, range(len(made.sheets)))], solver)
+    [plan] = together([solves(made, place, range(len(made.sheets)), unasked)], solver)
     return plan, [pattern for batch in solver.batches for pattern in batch]
 
 
@@ -80,21 +85,21 @@ def test_where_no_gait_is_known_nothing_is_solved() -> None:
 
 def test_tasks_are_solved_side_by_side() -> None:
     made, solver = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2)), Solver({1: 1.2})
-    plans = together([solves(made, place, [0, 1]) for place in (AMID, (9.0, 9.0), (0.5, 0.5))], solver)
+    plans = together([solves(made, place, [0, 1], unasked) for place in (AMID, (9.0, 9.0), (0.5, 0.5))], solver)
     assert plans == [Planned(1, 1.2), None, Planned(1, 1.2)]
     assert solver.batches == [[0, 0]] * STARTS + [[1, 1]]
 
 
 def test_what_may_be_cheaper_gets_fewer_iterations() -> None:
     made, solver = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2)), Solver({0: 1.5, 1: 1.2})
-    together([solves(made, AMID, [0, 1])], solver)
+    together([solves(made, AMID, [0, 1], unasked)], solver)
     assert (solver.batches, solver.limits) == ([[0], [1]], [LIMIT, RIVAL_LIMIT])
 
 
 @pytest.mark.parametrize("number", [0, 3])
 def test_as_many_plans_as_tasks(number: int) -> None:
     made = atlas(sheet_of(0, 1.0))
-    assert len(together([solves(made, AMID, [0]) for _ in range(number)], Solver({0: 1.0}))) == number
+    assert len(together([solves(made, AMID, [0], unasked) for _ in range(number)], Solver({0: 1.0}))) == number
 
 
 def test_plans_are_those_of_the_published_map(pristine: Path) -> None:
@@ -104,7 +109,7 @@ def test_plans_are_those_of_the_published_map(pristine: Path) -> None:
     places = [
         tuple(rng.uniform([axis[0] for axis in grown.grid], [axis[-1] for axis in grown.grid])) for _ in range(12)
     ]
-    plans = together([solves(tiny_atlas(), place, [0, 1]) for place in places], solver.costs_from)
+    plans = together([solves(tiny_atlas(), place, [0, 1], unasked) for place in places], solver.costs_from)
     for place, plan in zip(places, plans, strict=True):
         published = gait_map.plan(**dict(zip(gait_map.axes, place, strict=True)), beyond=True)
         assert plan is not None and published.feasible and published.path != "fallback"

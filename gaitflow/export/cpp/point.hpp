@@ -45,9 +45,10 @@ inline Point split(const Space& space, const Vector& primal, const Vector& bound
   return point;
 }
 
-// The point without its multipliers: those of bounds follow from the barrier.
-inline Point primal_of(const Point& point) {
-  return {point.free, Vector(point.rows.size(), 0.0), Vector(point.lower.size(), 0.0), Vector(point.lower.size(), 0.0)};
+// Free variables [nF] without multipliers: those of bounds follow from the barrier.
+inline Point primal_of(const Space& space, const Vector& free) {
+  const std::size_t bounded = space.free.size() + space.unequal.size();
+  return {free, Vector(space.equal.size() + space.unequal.size(), 0.0), Vector(bounded, 0.0), Vector(bounded, 0.0)};
 }
 
 }  // namespace gaitflow

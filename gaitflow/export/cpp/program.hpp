@@ -11,15 +11,16 @@
 
 namespace gaitflow {
 
-// The four functions of one map.
+// The functions of one map.
 struct Functions {
-  Symbols problem, gradient, jacobian, hessian;
+  Symbols problem, gradient, jacobian, hessian, nominal;
 };
 
 #define GAITFLOW_FUNCTIONS                                                               \
   gaitflow::Functions {                                                                  \
     GAITFLOW_FUNCTION(gaitflow_problem), GAITFLOW_FUNCTION(gaitflow_gradient),           \
-        GAITFLOW_FUNCTION(gaitflow_jacobian), GAITFLOW_FUNCTION(gaitflow_hessian)        \
+        GAITFLOW_FUNCTION(gaitflow_jacobian), GAITFLOW_FUNCTION(gaitflow_hessian),       \
+        GAITFLOW_FUNCTION(gaitflow_nominal)                                              \
   }
 
 // For one thread: it holds the values of the last evaluation, at w [nw], a task [p] and multipliers of rows [ng].
@@ -30,9 +31,11 @@ class Program {
       : problem_(functions.problem),
         gradient_(functions.gradient),
         jacobian_(functions.jacobian),
-        hessian_(functions.hessian) {
+        hessian_(functions.hessian),
+        nominal_(functions.nominal) {
     if (problem_.input_size(0) != map.layout.variables() || problem_.input_size(1) != map.task.names.size() ||
-        problem_.result(1).size() != map.layout.rows)
+        problem_.result(1).size() != map.layout.rows || nominal_.input_size(0) != map.task.names.size() ||
+        nominal_.result(0).size() != map.layout.variables())
       throw std::runtime_error("map.bin and problem.c are of different exports; export the map again");
   }
 
@@ -47,6 +50,12 @@ class Program {
     hessian_({w.data(), task.data(), multipliers.data()});
   }
 
+  // The decision vector [nw] of an upright glide along the task's command.
+  const Vector& nominal(const Vector& task) {
+    nominal_({task.data()});
+    return nominal_.result(0);
+  }
+
   std::size_t parameters() const { return problem_.input_size(1); }  // p
 
   double cost() const { return problem_.result(0)[0]; }
@@ -58,7 +67,7 @@ class Program {
   const Places& hessian_places() const { return hessian_.places(0); }
 
  private:
-  Function problem_, gradient_, jacobian_, hessian_;
+  Function problem_, gradient_, jacobian_, hessian_, nominal_;
 };
 
 }  // namespace gaitflow

@@ -43,12 +43,14 @@ class Refiner {
   Attempt fast(const Candidate& candidate, const Vector& place, std::size_t most = Starts::most) {
     const Vector task = map_.parameters(place);
     const double scale = map_.file().cost_scale;
-    const std::size_t iterations = most >= Starts::most ? limit : rival_limit;
+    // The nominal start leads to a motion in the end.
+    const bool is_rival = most < Starts::most && place.size() <= Starts::near_axes;
+    const std::size_t iterations = is_rival ? rival_limit : limit;
     InteriorPoint& method = this->method(space_of(candidate));
     Starts starts(map_, program_, candidate, place, task);
     Attempt attempt{&candidate, Ending::lost, 0, 0, 0, {}};
     for (Start start; most-- > 0 && starts.next(start);) {
-      const Outcome outcome = method.follow(task, start.point, start.unit, start.barrier, iterations, start.predicted);
+      const Outcome outcome = method.follow(task, start.point, start.unit, start.barrier, iterations, start.careful);
       attempt.ending = outcome.ending;
       attempt.cost = outcome.cost * scale;
       attempt.violation = violation(method);

@@ -1,0 +1,54 @@
+"""Where a plan may start, over few axes and over many."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from gaitflow.core.trajectory import Array
+from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.starts import NEAR_AXES, Start, starts_of
+from tests.helpers.sheets import LAYOUT, sheet, space
+
+NOMINAL = np.linspace(-0.5, 0.5, LAYOUT.nw)
+COST = 3.0
+
+
+def atlas(axes: int) -> Atlas:
+    """Two nodes, one at 0 and one a step away."""
+    places = np.zeros((2, axes))
+    places[1, 0] = 1.0
+    names = ("speed", "lateral_speed", "yaw_rate", "cycle_duration", "slope")[:axes]
+    return Atlas(names, np.ones(axes), 1e-4, (sheet(places, np.full(2, COST), np.zeros((2, axes))),))
+
+
+def unasked() -> Array:
+    raise AssertionError("asked for a nominal start")
+
+
+def starts(axes: int, place: Array) -> list[Start]:
+    return list(starts_of(atlas(axes), 0, place, unasked if axes <= NEAR_AXES else lambda: NOMINAL))
+
+
+@pytest.mark.parametrize("axes", [1, 2, 3])
+def test_over_few_axes_the_prediction_is_first(axes: int) -> None:
+    first, second, third = starts(axes, np.full(axes, 0.2))
+    assert first.careful and first.point.lower.any() and first.unit == pytest.approx(COST)
+    np.testing.assert_array_equal(second.point.free, first.point.free)
+    assert not second.point.lower.any() and second.barrier > third.barrier > first.barrier
+    assert third.point.lower.any() and not third.careful
+
+
+@pytest.mark.parametrize("axes", [4, 5])
+def test_over_many_axes_the_nominal_start_is_first(axes: int) -> None:
+    first, *others = starts(axes, np.full(axes, 0.2))
+    np.testing.assert_array_equal(first.point.free, NOMINAL[space().free])
+    assert first.careful and first.unit == pytest.approx(COST)
+    assert not any(numbers.any() for numbers in (first.point.rows, first.point.lower, first.point.upper))
+    assert len(others) == 3
+
+
+@pytest.mark.parametrize(("axes", "count"), [(2, 1), (4, 2)])
+def test_far_from_all_nodes_a_node_is_left(axes: int, count: int) -> None:
+    found = starts(axes, np.full(axes, 9.0))
+    assert len(found) == count and all(start.unit == pytest.approx(COST) for start in found)
