@@ -23,6 +23,7 @@ from gaitflow.core.trajectory import Array
 from gaitflow.problem import GaitProblem
 from gaitflow.runtime.atlas import Atlas, Prediction
 from gaitflow.search.solution import Solution
+from gaitflow.search.starts import nominal
 
 COMPETITIVE = 1.15  # a gait is seeded at, and spreads from, tasks where it costs at most this times the cheapest;
 COMPETITIVE_WIDE = 1.06  # over more axes than three, where a wider band would be most of all nodes
@@ -189,6 +190,13 @@ class Growth:
         distances = np.linalg.norm((places - np.array(place)) / self.steps, axis=1)
         near = np.lexsort((*places.T[::-1], distances))[:count]  # of equally distant ones the first place
         return [nodes[number].moved(place) for number in near]
+
+    def nominal(self, sheet: int, place: Place) -> Prediction:
+        """The start of a search at a place, for the cost that the nearest node promises there; no node leads to it."""
+        scenario, layout = self.problem.scenario, self.problem.layout
+        task = scenario.tasks.space.task(dict(zip(self.domain.axes, place, strict=True)))
+        w, [near] = nominal(scenario.robot, layout, task), self.nearest(sheet, place, 1)
+        return self.solver.from_solution(sheet, w, np.zeros(layout.nw), np.zeros(self.problem.ng), near.cost)
 
     def spread(self) -> None:
         """Solve neighbours, all patterns one step at a time, until nothing new is competitive."""

@@ -8,9 +8,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gaitflow.atlas import border
 from gaitflow.atlas.border import NARROW, find_borders, reconsider
 from gaitflow.atlas.compress import cost_atlas
 from gaitflow.atlas.grow import Growth
@@ -24,7 +26,7 @@ class Limited:
     """A solver that finds every node on one side of a border, and none on the other."""
 
     def __init__(self, solver: NodeSolver, node: Node, feasible: Callable[[Place], bool]) -> None:
-        self.patterns, self.methods = solver.patterns, solver.methods
+        self.patterns, self.methods, self.from_solution = solver.patterns, solver.methods, solver.from_solution
         self._node, self._feasible = node, feasible
         self.asked: list[Place] = []
 
@@ -127,12 +129,25 @@ def test_borders_are_in_the_atlas(grown: Growth) -> None:
     assert sheets[1].infeasible.shape == (0, 2)
 
 
-def test_each_place_is_tried_quickly_and_carefully_from_two_nodes(grown: Growth) -> None:
+def test_each_place_is_tried_quickly_and_carefully_from_two_nodes_and_from_the_nominal_start(grown: Growth) -> None:
     speeds, durations = grown.grid
     growth = limited(grown, lambda place: place[0] <= speeds[0])
     find_borders(growth, [(0, (speeds[0] + growth.steps[0], durations[0]))])
     asked = growth.solver.asked  # type: ignore[attr-defined]
-    assert {asked.count(place) for place in growth.infeasible[0]} == {4}
+    assert {asked.count(place) for place in growth.infeasible[0]} == {5}
+
+
+def test_the_nominal_start_finds_what_no_node_leads_to(grown: Growth, monkeypatch: pytest.MonkeyPatch) -> None:
+    speeds, durations = grown.grid
+    place, far = (speeds[1], durations[1]), grown.nodes[0][speeds[0], durations[0]]
+    lost = replace(far, point=np.full_like(far.point, 50.0))
+    own = copy.copy(grown)
+    own.nodes, own.infeasible = [{lost.place: lost}, {}], [set(), set()]
+    own.best, own._fringe = dict(grown.best), deque()
+    monkeypatch.setattr(border, "NARROW", 9.0)  # steps: no place between is looked at
+    find_borders(own, [(0, place)])
+    assert own.nodes[0][place].cost == pytest.approx(grown.nodes[0][place].cost, rel=1e-6)
+    assert not own.infeasible[0]
 
 
 def test_what_was_given_up_too_early_is_found_when_it_is_tried_again(grown: Growth) -> None:
