@@ -45,6 +45,9 @@ SUPPORT = 0.7  # of a cost that is believed: the nodes' centre is at most 0.45 s
 TRIED = SUPPORT / 2  # of a cost that a plan tries to reach: half of the gaits that were missed are not believed;
 HARDLY_TRIED, HARDLY = 0.1, 2.0  # or from this on, where even so many times the prediction would be cheaper
 DOUBT = 0.5  # of the spread of the nodes' promises: a cost is seldom further below its prediction
+# Over more axes than these nodes lie so far apart that their spread says little. No rival of 100 plans over four axes
+# whose prediction is MOST_BELOW times as dear was the cheapest.
+NEAR_AXES, MOST_BELOW = 3, 1.1
 LARGEST_LOG = 200.0  # of a cost, so that it and its products with stored numbers are finite
 
 
@@ -184,8 +187,9 @@ class Atlas:
         """What each sheet may cost at a place at the least, the problem's; infinite below a support of HARDLY_TRIED.
 
         A prediction is as good as its nodes agree: what it may be off by is DOUBT times the standard deviation, with
-        the nodes' weights by distance alone, of the logarithms that they promise, each by its whole tangent. Below a
-        support of TRIED the prediction counts HARDLY times.
+        the nodes' weights by distance alone, of the logarithms that they promise, each by its whole tangent. Over more
+        than NEAR_AXES axes a cost is at most MOST_BELOW times below its prediction. Below a support of TRIED the
+        prediction counts HARDLY times.
         """
         (costs, support), count = self.costs(place), len(self.sheets)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
@@ -193,7 +197,10 @@ class Atlas:
             total = np.bincount(near.owner, near.weights, count)
             mean = np.bincount(near.owner, near.weights * near.promises, count) / total
             squares = np.bincount(near.owner, near.weights * (near.promises - mean[near.owner]) ** 2, count)
-            least = np.where(support < TRIED, HARDLY * costs, costs * np.exp(-DOUBT * np.sqrt(squares / total)))
+            doubted = costs * np.exp(-DOUBT * np.sqrt(squares / total))
+            if len(self.axes) > NEAR_AXES:
+                doubted = np.maximum(doubted, costs / MOST_BELOW)
+            least = np.where(support < TRIED, HARDLY * costs, doubted)
             return np.where(support < HARDLY_TRIED, np.inf, least)
 
     def _prediction(self, sheet: Sheet, log: float, coordinates: Array) -> Prediction:

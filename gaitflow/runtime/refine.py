@@ -12,11 +12,11 @@ from collections.abc import Iterator
 from functools import partial
 
 from gaitflow.core.task import Task
-from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.atlas import NEAR_AXES, Atlas
 from gaitflow.runtime.attempt import FALLBACK, FAST, NOT_CONVERGED, STARTS, Attempt, Candidate, GaitRefiner, Run
 from gaitflow.runtime.manifest import Manifest
 from gaitflow.runtime.problem import Problem
-from gaitflow.runtime.starts import NEAR_AXES, Start, starts_of
+from gaitflow.runtime.starts import Start, starts_of
 from gaitflow.runtime.tensors import GaitTensors
 from gaitflow.solvers.interior_point import InteriorPoint, Outcome
 from gaitflow.solvers.options import CONVERGED

@@ -27,13 +27,16 @@ CONSTANTS = {
     "point.hpp": {"largest_log": point.LARGEST_LOG},
     "condensed.hpp": {"largest_log": condensed.LARGEST_LOG},
     "starts.hpp": {
-        "most": attempt.STARTS, "near_axes": starts.NEAR_AXES, "nominal_barrier": starts.NOMINAL_BARRIER,
+        "most": attempt.STARTS, "nominal_barrier": starts.NOMINAL_BARRIER,
         "primal_barrier": starts.PRIMAL_BARRIER, "node_barrier": starts.NODE_BARRIER,
         "mean_barrier": refine.MEAN_BARRIER, "least_cost": refine.LEAST_COST,
     },
     "refine.hpp": {"feasible_within": check.FEASIBLE, "limit": refine.LIMIT, "rival_limit": refine.RIVAL_LIMIT},
     "planner.hpp": {"least_saving": plan.LEAST_SAVING, "great_saving": plan.GREAT_SAVING},
-    "atlas.hpp": {"hardly_tried": atlas.HARDLY_TRIED, "hardly": atlas.HARDLY},
+    "atlas.hpp": {
+        "hardly_tried": atlas.HARDLY_TRIED, "hardly": atlas.HARDLY, "near_axes": atlas.NEAR_AXES,
+        "most_below": atlas.MOST_BELOW,
+    },
     "gait_map.hpp": {"farthest": gait_map.FARTHEST},
 }  # fmt: skip
 

@@ -10,7 +10,7 @@ from sheets import AXES, STEPS, Values, atlas, grid, sheet, sheet_of
 from tiny_map import TinyMap
 
 from gaitflow.atlas.grow import Growth
-from gaitflow.runtime.atlas import DOUBT, HARDLY, HARDLY_TRIED, SUPPORT, TRIED, Atlas, Sheet
+from gaitflow.runtime.atlas import DOUBT, HARDLY, HARDLY_TRIED, MOST_BELOW, SUPPORT, TRIED, Atlas, Sheet
 from gaitflow.runtime.nearby import REACH
 
 inner = st.tuples(st.floats(1.0, 3.0), st.floats(1.0, 3.0))
@@ -173,6 +173,16 @@ def test_across_a_kink_a_cost_may_be_less_by_as_much_as_nodes_disagree(left: flo
     promises = 1 + left / 2, 1 + right / 2
     spread = abs(promises[0] - promises[1]) / 2
     assert np.log(made.least_costs(half_way)) == pytest.approx(np.log(costs) - [DOUBT * spread, 0], abs=1e-6)
+
+
+@pytest.mark.parametrize(("axes", "most"), [(3, np.inf), (4, np.log(MOST_BELOW))])
+def test_over_many_axes_a_cost_is_not_much_less(axes: int, most: float) -> None:
+    places, slopes = np.zeros((2, axes)), np.zeros((2, axes))
+    places[1, 0], slopes[:, 0] = 1.0, 2.0  # half-way one node promises e, the other 1 / e
+    made = Atlas(tuple("abcd"[:axes]), np.ones(axes), 1e-4, (sheet(places, np.ones(2), slopes),))
+    half_way = places.mean(axis=0)
+    promised = np.log(made.costs(half_way)[0] / made.least_costs(half_way))
+    assert promised == pytest.approx([min(DOUBT, most)])
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from gaitflow.core.trajectory import Array
-from gaitflow.runtime.atlas import Atlas
-from gaitflow.runtime.starts import NEAR_AXES, Start, starts_of
+from gaitflow.runtime.atlas import NEAR_AXES, Atlas
+from gaitflow.runtime.starts import Start, starts_of
 from tests.helpers.sheets import LAYOUT, sheet, space
 
 NOMINAL = np.linspace(-0.5, 0.5, LAYOUT.nw)

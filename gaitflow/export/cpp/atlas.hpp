@@ -118,9 +118,11 @@ class AtlasView {
     return found;
   }
 
+  static constexpr std::size_t near_axes = 3;  // as in gaitflow/runtime/atlas.py
+
   // What a sheet may cost at a place at the least; infinite with hardly any support. A prediction is as good as its nodes
-  // agree: by `doubt` times the standard deviation of what each promises by its whole tangent. With less than half of the
-  // support of a cost that is believed, it counts twice.
+  // agree: by `doubt` times the standard deviation of what each promises by its whole tangent, over many axes by less.
+  // With less than half of the support of a cost that is believed, it counts twice.
   double least_cost(const Sheet& sheet, const Vector& place) const {
     const SheetCost predicted = cost(sheet, place);
     if (!(predicted.support >= hardly_tried)) return std::numeric_limits<double>::infinity();
@@ -134,12 +136,13 @@ class AtlasView {
       const double off = promise(sheet, each.node, offset(sheet, each.node, asked)) - mean;
       squares += each.weight * off * off;
     }
-    return predicted.cost * std::exp(-atlas_.doubt * std::sqrt(squares / total));
+    const double doubted = predicted.cost * std::exp(-atlas_.doubt * std::sqrt(squares / total));
+    return axes_ > near_axes ? std::max(doubted, predicted.cost / most_below) : doubted;
   }
 
  private:
   static constexpr double largest_log = 200.0;
-  static constexpr double hardly_tried = 0.1, hardly = 2.0;
+  static constexpr double hardly_tried = 0.1, hardly = 2.0, most_below = 1.1;
   // As in gaitflow/runtime/nearby.py.
   static constexpr double steep = 0.3, odd = 0.1;
   static constexpr int rounds = 2;

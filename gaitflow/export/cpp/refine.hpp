@@ -44,7 +44,7 @@ class Refiner {
     const Vector task = map_.parameters(place);
     const double scale = map_.file().cost_scale;
     // The nominal start leads to a motion in the end.
-    const bool is_rival = most < Starts::most && place.size() <= Starts::near_axes;
+    const bool is_rival = most < Starts::most && place.size() <= AtlasView::near_axes;
     const std::size_t iterations = is_rival ? rival_limit : limit;
     InteriorPoint& method = this->method(space_of(candidate));
     Starts starts(map_, program_, candidate, place, task);

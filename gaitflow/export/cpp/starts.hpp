@@ -23,8 +23,7 @@ struct Start {
 // the atlas does not know the gait, from the mean of its region. A start is made when it is asked for.
 class Starts {
  public:
-  static constexpr std::size_t most = 3;       // starts of a candidate
-  static constexpr std::size_t near_axes = 3;  // as in starts.py, where it is explained
+  static constexpr std::size_t most = 3;  // starts of a candidate
 
   // The arguments have to live as long; task [p] is the place's.
   Starts(const GaitMap& map, Program& program, const Candidate& candidate, const Vector& place, const Vector& task)
@@ -33,7 +32,7 @@ class Starts {
       left_ = {Kind::mean};
       return;
     }
-    if (place.size() > near_axes) left_.push_back(Kind::nominal);
+    if (place.size() > AtlasView::near_axes) left_.push_back(Kind::nominal);
     if (atlas_.predict(*candidate.sheet, place, predicted_.point, predicted_.cost)) {
       left_.insert(left_.end(), {Kind::prediction, Kind::primal});
     } else {
