@@ -1,7 +1,8 @@
 """Where the atlas predicts badly between its nodes: kinks, cliffs and borders of gaits get nodes of their own.
 
 The centres of the grid's cells are tested. Where a test fails, a node is added, and the parts of the cell are tested
-next, those of the worst cells first. Of a cell and its mirror image one is tested, where nodes have images.
+next, those of the worst cells first. Of a cell and its mirror image one is tested, where nodes have images. Over more
+axes than three, where plans take the nominal start, a test is of costs alone.
 """
 
 from __future__ import annotations
@@ -14,10 +15,9 @@ import numpy as np
 
 from gaitflow.atlas.border import find_borders
 from gaitflow.atlas.grow import AT_ONCE, DECIMALS, Growth
-from gaitflow.atlas.node import Place
+from gaitflow.atlas.node import Node, Place, Request
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas, Prediction
-from gaitflow.solvers.interior_point import Outcome
 
 ROUNDS = 3
 MOST_TESTS = 1000  # on two axes
@@ -25,11 +25,20 @@ FURTHER_AXIS = 3  # times as many on three axes and more
 FEWER_WIDE = 2  # times fewer over more axes than three, where a test that fails has most neighbours to spread to
 FEWER_OF_ENERGY = 3  # times fewer: energy's derivatives take three times as long
 GOOD = 8  # iterations that a prediction may need
-LIMIT = 18  # iterations beyond which a prediction led nowhere; over more axes than three no fewer are asked for
+LIMIT = 18  # iterations beyond which a prediction led nowhere
 WRONG = 0.02  # relative error of a predicted cost that is not good
 LEAST_ERROR = 1e-6  # of what took too many iterations
 RIVAL = 1.1  # times the least predicted cost: what may cost less might be the cheapest
 RIVALS = 4
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a test found: the problem's cost, the iterations from a prediction, and the node if one was made."""
+
+    cost: float
+    iterations: int
+    node: Node | None = None
 
 
 @dataclass(frozen=True)
@@ -126,23 +135,32 @@ def _errors(
     ]
     asked = [(number, rival) for number, each in enumerate(predicted) for rival in each]
     starts = [(sheets[rival], places[number], predicted[number][rival]) for number, rival in asked]
-    found: list[dict[int, Outcome]] = [{} for _ in places]
-    for (number, rival), outcome in zip(asked, growth.solver.refinements(starts, LIMIT), strict=True):
-        if outcome.converged and outcome.cost > 0:
-            found[number][rival] = outcome
-    good = LIMIT if growth.is_wide else GOOD
+    found: list[dict[int, Found]] = [{} for _ in places]
+    for (number, rival), tested in zip(asked, _tested(growth, starts), strict=True):
+        if tested is not None:
+            found[number][rival] = tested
     errors = [
-        _error(first, known, outcomes, tie_tolerance, good)
-        for (first, _), known, outcomes in zip(rivals, predicted, found, strict=True)
+        _error(first, known, each, tie_tolerance)
+        for (first, _), known, each in zip(rivals, predicted, found, strict=True)
     ]
-    wrong = [
-        (rival, place)
-        for (_, each), place, error in zip(rivals, places, errors, strict=True)
-        for rival in each
-        if error
+    wrong = [(number, rival, found[number].get(rival)) for number, rival in asked if errors[number]]
+    unsolved = [
+        (rival, places[number])
+        for number, rival, one in wrong
+        if one is None or not growth.keep(sheets[rival], one.node)
     ]
-    _add(growth, atlas, sheets, wrong)
+    _add(growth, atlas, sheets, unsolved)
     return errors
+
+
+def _tested(growth: Growth, starts: Sequence[Request]) -> list[Found | None]:
+    """What predictions lead to, and over many axes what the nominal start does; None where it is no motion."""
+    if growth.is_wide:
+        requests = [(sheet, place, growth.nominal(sheet, place)) for sheet, place, _ in starts]
+        nodes = growth.solver.careful_nodes(requests)
+        return [None if node is None else Found(node.cost, 0, node) for node in nodes]
+    outcomes = growth.solver.refinements(starts, LIMIT)
+    return [Found(one.cost, one.iterations) if one.converged and one.cost > 0 else None for one in outcomes]
 
 
 def _predicted(atlas: Atlas, rival: int, place: Place) -> Prediction:
@@ -151,19 +169,14 @@ def _predicted(atlas: Atlas, rival: int, place: Place) -> Prediction:
     return predicted
 
 
-def _error(
-    first: int, predicted: Mapping[int, Prediction], found: Mapping[int, Outcome], tie_tolerance: float, iterations: int
-) -> float:
-    """How wrong the predicted costs of rivals are at a place, given what was found there; `first` is the pick.
-
-    `iterations` are those that a good prediction may need.
-    """
+def _error(first: int, predicted: Mapping[int, Prediction], found: Mapping[int, Found], tie_tolerance: float) -> float:
+    """How wrong the predicted costs of rivals are at a place, given what was found there; `first` is the pick."""
     if first not in found:
         return float("inf")
     chosen = found[first]
     off = abs(predicted[first].cost / chosen.cost - 1)
     regret = chosen.cost / min(one.cost for one in found.values()) - 1
-    good = off <= WRONG and chosen.iterations <= iterations and regret <= tie_tolerance
+    good = off <= WRONG and chosen.iterations <= GOOD and regret <= tie_tolerance
     return 0.0 if good else float(max(off, regret, LEAST_ERROR))
 
 
