@@ -11,7 +11,7 @@ from gaitflow.core.layout import Layout
 from gaitflow.core.task import AXIS_NAMES
 from gaitflow.core.trajectory import Array
 
-STILL = 1e-8  # rad: of a turn that sin(a) / a is not divided by
+LEAST_TURN = 1e-8  # rad: below it sin(a) / a is 1
 
 
 def nominal(layout: Layout, default_feet: Array, task: Any) -> Any:
@@ -57,7 +57,7 @@ def _glide(value: dict[str, Any], time: Any) -> tuple[Any, Any, Any]:
 
 def _sinc(angle: Any) -> Any:
     """sin(a) / a."""
-    is_still = casadi.fabs(angle) < STILL
+    is_still = casadi.fabs(angle) < LEAST_TURN
     return casadi.if_else(is_still, 1.0, casadi.sin(angle) / casadi.if_else(is_still, 1.0, angle))
 
 
