@@ -21,7 +21,7 @@ from gaitflow.core.domain import Domain
 from gaitflow.core.gaits import Pattern
 from gaitflow.core.trajectory import Array
 from gaitflow.problem import GaitProblem
-from gaitflow.runtime.atlas import Atlas, Prediction
+from gaitflow.runtime.atlas import NEAR_AXES, Atlas, Prediction
 from gaitflow.search.solution import Solution
 from gaitflow.search.starts import nominal
 
@@ -73,8 +73,8 @@ class Growth:
 
     @property
     def is_wide(self) -> bool:
-        """Whether there are so many axes that most neighbours of a gait's nodes lie where it is dear."""
-        return len(self.grid) > 3
+        """Whether there are so many axes that nodes lie far apart, and most neighbours of a gait's where it is dear."""
+        return len(self.grid) > NEAR_AXES
 
     @property
     def grid(self) -> tuple[tuple[float, ...], ...]:

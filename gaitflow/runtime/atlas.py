@@ -45,8 +45,8 @@ SUPPORT = 0.7  # of a cost that is believed: the nodes' centre is at most 0.45 s
 TRIED = SUPPORT / 2  # of a cost that a plan tries to reach: half of the gaits that were missed are not believed;
 HARDLY_TRIED, HARDLY = 0.1, 2.0  # or from this on, where even so many times the prediction would be cheaper
 DOUBT = 0.5  # of the spread of the nodes' promises: a cost is seldom further below its prediction
-# Over more axes than these nodes lie so far apart that their spread says little. No rival of 100 plans over four axes
-# whose prediction is MOST_BELOW times as dear was the cheapest.
+# Over more axes than these nodes lie so far apart that their spread says little. None of 100 plans over four axes got
+# dearer without the rivals whose prediction is more than MOST_BELOW times the best cost.
 NEAR_AXES, MOST_BELOW = 3, 1.1
 LARGEST_LOG = 200.0  # of a cost, so that it and its products with stored numbers are finite
 
