@@ -17,6 +17,7 @@ from benchmarks.online.cpp import built, built_library, run_program
 from benchmarks.paper.fixed_gait import scenario_of
 from benchmarks.paper.table import off_grid_places
 from benchmarks.rows import Row, RowStore
+from gaitflow.certificate.judge import DEARER
 from gaitflow.files import sha256_file
 from gaitflow.runtime import GaitMap, atlas, attempt, compiled, gait_map, plan, problem, refine
 from gaitflow.runtime.files import MANIFEST
@@ -26,6 +27,7 @@ from gaitflow.solvers import interior_point, kkt, point, program
 TASKS, BY_IPOPT = 200, 60
 TASK_LIMIT_S = 60.0  # wall time of a plan and a solve, beyond which the process counts as hung
 AIMED_AT = {"python": 10.0, "compiled": 10.0, "cpp": 30.0}  # times one IPOPT solve, at the median
+ALONE = ("alone", "compiled_alone")  # plans that try no other gait, in Python
 _RUNTIME = (atlas, attempt, compiled, gait_map, plan, problem, refine)
 _MODULES = (mean_start, plan_times, cpp, *_RUNTIME, interior_point, kkt, point, program)
 NOTES = (
@@ -38,6 +40,8 @@ NOTES = (
     "over the 99th percentile of the planner. Solves that failed count with the time they took: ipopt_failed. slow, "
     "compiled_slow: plans that did not take the fast path. cpp_not_refined: plans that C++ could not refine, as it has "
     "no IPOPT to fall back on.",
+    "alone, compiled_alone: plans of the gait that the map picks before anything is solved, as `plan(gait=...)`; no "
+    f"other gait is tried. alone_dearer: those that cost over {DEARER:.0%} more than the whole plan or have no motion.",
     "aimed at: a median of 10 in Python, compiled or not, of 30 in C++.",
 )
 
@@ -57,7 +61,8 @@ def run(models: Path, tasks: int = TASKS, seed: int = 0, runs: Path = Path("runs
 def summarise(rows: Sequence[Row]) -> Row:
     """The ratios of each map, and how many maps have the medians that were aimed at."""
     reached = {way: sum(row[way]["median"] >= least for row in rows) for way, least in AIMED_AT.items()}
-    return {"maps": len(rows), "reached": reached} | {row["map"]: {way: row[way] for way in AIMED_AT} for row in rows}
+    ratios = {row["map"]: {way: row[way] for way in (*AIMED_AT, *ALONE)} for row in rows}
+    return {"maps": len(rows), "reached": reached, **ratios}
 
 
 def _measured(artifact: Path, tasks: int, seed: int, runs: Path) -> Row:
@@ -87,15 +92,20 @@ def compared(timed: Sequence[Row], answers: Sequence[Mapping[str, Any]]) -> Row:
     times = {
         "python": [row["plan_ms"] for row in timed],
         "compiled": [row["compiled_ms"] for row in timed],
+        "alone": [row["alone_ms"] for row in timed],
+        "compiled_alone": [row["compiled_alone_ms"] for row in timed],
         "cpp": [each["cpu_us"] / 1e3 for each in answers],
     }
     return {
         "ipopt_ms": _quantiles(ipopt),
         "ipopt": len(ipopt),
         "ipopt_failed": sum(not row.get("ipopt_solved", True) for row in timed),
-        "slow": sum(row["path"] != "fast" for row in timed),
+        "slow": sum(row["plan_path"] != "fast" for row in timed),
         "compiled_slow": sum(row["compiled_path"] != "fast" for row in timed),
         "cpp_not_refined": sum(not each["refined"] for each in answers),
+        "alone_dearer": sum(
+            row["alone_path"] == "failed" or row["alone_cost"] > row["plan_cost"] * (1 + DEARER) for row in timed
+        ),
         **{f"{way}_ms": _quantiles(ms) for way, ms in times.items()},
         **{
             way: {

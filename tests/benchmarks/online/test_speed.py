@@ -12,15 +12,20 @@ from benchmarks.online import speed
 
 
 def test_ratios_are_of_each_task_and_of_the_slowest_plans() -> None:
-    compiled = {"compiled_path": "fast", "compiled_ms": 1.0}
-    timed = [{"path": "fast", "plan_ms": 2.0, "ipopt_ms": 20.0, "ipopt_solved": True, **compiled} for _ in range(99)]
-    timed.append({"path": "next:1", "plan_ms": 80.0, "ipopt_ms": 40.0, "ipopt_solved": False, **compiled})
+    paths = {f"{way}_path": "fast" for way in ("plan", "compiled", "alone", "compiled_alone")}
+    costs = {"plan_cost": 3.0, "alone_cost": 3.02}
+    usual = {**paths, **costs, "compiled_ms": 1.0, "alone_ms": 0.5, "compiled_alone_ms": 0.25}
+    timed = [{**usual, "plan_ms": 2.0, "ipopt_ms": 20.0, "ipopt_solved": True} for _ in range(98)]
+    timed.append({**timed[0], "alone_path": "failed"})
+    last = {"plan_path": "next:1", "plan_ms": 80.0, "ipopt_ms": 40.0, "ipopt_solved": False, "alone_cost": 3.04}
+    timed.append({**usual, **last})
     answers = [{"cpu_us": 500.0, "refined": True}] * 99 + [{"cpu_us": 500.0, "refined": False}]
     row = speed.compared(timed, answers)
     assert row["python"]["median"] == 10.0 and row["cpp"] == {"median": 40.0, "p99": 40.0}
     assert row["python"]["p99"] == pytest.approx(20.0 / row["python_ms"]["p99"]) and row["python_ms"]["p99"] > 2.0
     assert (row["ipopt_failed"], row["slow"], row["cpp_not_refined"], row["compiled_slow"]) == (1, 1, 1, 0)
     assert row["compiled"]["median"] == 20.0
+    assert (row["alone"]["median"], row["compiled_alone"]["median"], row["alone_dearer"]) == (40.0, 80.0, 2)
     assert speed.summarise([{"map": "a 1.0.0", **row}])["reached"] == {"python": 1, "compiled": 1, "cpp": 1}
 
 
