@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
@@ -27,13 +27,19 @@ class Suspect:
     """A task whose pick, once planned, may be wrong.
 
     `gaits` are the numbers of the pick and of gaits of the map that may cost less. infeasible: the pick has no motion.
-    missing: another gait, which the map does not pick from, is predicted to cost less.
+    missing: the numbers of gaits that the map does not pick from and that are predicted to cost less, each with the
+    share of the pick's cost that it would save.
     """
 
     task: Task
     gaits: frozenset[int]
     infeasible: bool
-    missing: bool
+    missing: Mapping[int, float] = field(default_factory=dict)
+
+    @property
+    def lacks_gait(self) -> bool:
+        """Whether the map lacks a gait there: its pick has no motion, or another gait is missing."""
+        return self.infeasible or bool(self.missing)
 
 
 class Picks:
@@ -75,9 +81,14 @@ class Picks:
             costs, support = atlas.costs(np.array(task.on(atlas.axes)))
             cheaper = costs * making.problem.cost_scale * (1 + DEARER) < (np.inf if cost is None else cost)
             rivals = {atlas.sheets[sheet].gait for sheet in np.flatnonzero(cheaper & (support >= TRIED))}
-            missing = {atlas.sheets[sheet].gait for sheet in np.flatnonzero(cheaper & (support >= SUPPORT))} - picked
+            missing: dict[int, float] = {}
+            for sheet in np.flatnonzero(cheaper & (support >= SUPPORT)):
+                gait = atlas.sheets[sheet].gait
+                saving = 1.0 if cost is None else 1 - costs[sheet] * making.problem.cost_scale / cost
+                if gait not in picked:
+                    missing[gait] = max(float(saving), missing.get(gait, 0.0))
             if cost is None or rivals - {pick}:
-                found.append(Suspect(task, frozenset((rivals & picked) | {pick}), cost is None, bool(missing)))
+                found.append(Suspect(task, frozenset((rivals & picked) | {pick}), cost is None, missing))
         return found
 
     def look_closely(self, suspects: Sequence[Suspect]) -> None:

@@ -15,8 +15,8 @@ from gaitflow.config.tasks import tasks_of
 from gaitflow.core.task import Task
 from gaitflow.sampling.doubt import next_places
 from gaitflow.sampling.making import MapInMaking
-from gaitflow.sampling.picks import Picks
-from gaitflow.sampling.rehearsal import rehearse
+from gaitflow.sampling.picks import Picks, Suspect
+from gaitflow.sampling.rehearsal import rehearse, where_missing
 from gaitflow.sampling.rounds import Kind, Round, task_at
 
 QUIET = 0.1  # of a round's picks that may be wrong for a certificate to be tried
@@ -40,7 +40,7 @@ class Steps:
         self._asked = 0
         self._prepared = -1  # the number of rounds after which the map was prepared for a certificate
         self._prepared_before = False  # whether it was before the last round
-        self._lacking = 0
+        self._lacking: list[Suspect] = []  # random tasks at which the map lacked a gait when it was prepared
         self._rounds = self._certificates = 0
         self._known = 0  # tasks of the dataset that the sampling began from
         self._drawn: list[Task] = []  # of the certificate that is being tried, all inside the domain
@@ -86,12 +86,17 @@ class Steps:
         low, high = (np.array([values[end] for values in grid]) for end in (0, -1))
         seed = self._seed * MORE_SEEDS + self._rounds
         atlas, picked = making.costs_atlas(), making.picked
-        places = next_places(atlas, picked, making.places, making.regrets, low, high, number, seed)
-        return [task_at(making.scenario.tasks.space, place) for place in places]
+        # Doubt looks where a pick may be very wrong. A gait that would save a few per cent would wait for ever.
+        missing = where_missing(self._lacking)[:number]
+        ranged, space = making.scenario.tasks.ranges, making.scenario.tasks.space
+        known = np.vstack([making.places, *(np.array(task.on(ranged)) for task, _ in missing)])
+        regrets = np.append(making.regrets, [saving for _, saving in missing])
+        places = next_places(atlas, picked, known, regrets, low, high, number - len(missing), seed)
+        return [*(task for task, _ in missing), *(task_at(space, place) for place in places)]
 
     def done(self, one: Round) -> Round:
         """Take in a round that was searched; returns it with what it came to."""
-        making, self._rounds = self._making, self._rounds + 1
+        making, self._rounds, self._lacking = self._making, self._rounds + 1, []
         if one.kind == "known":
             self._known += len(one.tasks)
             self._asked += one.askings
@@ -127,8 +132,8 @@ class Steps:
         enough = self._since >= ENOUGH * self._tasks_of_next_look
         return (self._quiet or enough) and not self._drawn
 
-    def _prepare(self) -> int:
-        """Test the map and plan random picks, once a round; at how many tasks of the last draw it lacks a gait."""
+    def _prepare(self) -> bool:
+        """Test the map and plan random picks, once a round; whether it lacked a gait at one of the last draw."""
         if self._prepared != self._rounds:
             self._prepared, making = self._rounds, self._making
             making.fill()
@@ -137,7 +142,7 @@ class Steps:
                 seed = (self._seed + 1) * MORE_SEEDS**4 + self._rounds * MORE_SEEDS
                 self._lacking = rehearse(making, self._picks, planned, seed)
             self.missed = making.settle()
-        return self._lacking
+        return bool(self._lacking)
 
     @property
     def _is_good(self) -> bool:

@@ -13,7 +13,7 @@ from gaitflow.config.scenario import load_scenario
 from gaitflow.core.domain import Domain
 from gaitflow.core.task import Task
 from gaitflow.sampling.picks import Suspect
-from gaitflow.sampling.rehearsal import DRAWS, rehearse
+from gaitflow.sampling.rehearsal import DRAWS, rehearse, where_missing
 
 SCENARIO = Path(__file__).parents[2] / "configs/scenarios/half-cheetah-exact-vibration.yaml"
 
@@ -32,7 +32,7 @@ class Making:
 
     def suspects(self, tasks: Sequence[Task]) -> list[Suspect]:
         self.drawn += tasks
-        return [Suspect(task, frozenset({0}), True, False) for task in tasks if task.speed >= self.limit]
+        return [Suspect(task, frozenset({0}), True) for task in tasks if task.speed >= self.limit]
 
     def look_closely(self, suspects: Sequence[Suspect]) -> None:
         assert all(one.task.speed >= self.limit for one in suspects)
@@ -41,21 +41,21 @@ class Making:
 
 def test_a_map_whose_picks_all_have_a_motion_is_drawn_once() -> None:
     making = Making(limit=99.0, learnt=0.0)
-    assert rehearse(making, making, 50, 7) == 0  # type: ignore[arg-type]
+    assert rehearse(making, making, 50, 7) == []  # type: ignore[arg-type]
     assert len(making.drawn) == 50
     assert making.told == ["of 50 random picks 0 are suspicious, 0 have no motion"]
 
 
 def test_it_is_drawn_anew_until_it_has_learnt() -> None:
     making = Making(limit=1.0, learnt=99.0)
-    assert rehearse(making, making, 50, 7) == 0  # type: ignore[arg-type]
+    assert rehearse(making, making, 50, 7) == []  # type: ignore[arg-type]
     assert len(making.drawn) == 100 == len(set(making.drawn)), "no task twice"
 
 
-def test_what_it_does_not_learn_is_counted() -> None:
+def test_what_it_does_not_learn_is_told() -> None:
     making = Making(limit=1.0, learnt=0.0)
     without = rehearse(making, making, 50, 7)  # type: ignore[arg-type]
-    assert without == sum(task.speed >= 1.0 for task in making.drawn[-50:]) > 0
+    assert [one.task for one in without] == [task for task in making.drawn[-50:] if task.speed >= 1.0] != []
     assert len(making.drawn) == 50 * DRAWS
 
 
@@ -65,3 +65,16 @@ def test_equal_seeds_draw_equal_tasks(seeds: tuple[int, int]) -> None:
     for one in runs:
         rehearse(one.making, one.making, 20, one.seed)  # type: ignore[arg-type]
     assert (runs[0].making.drawn == runs[1].making.drawn) == (seeds[0] == seeds[1])
+
+
+def test_each_missing_gait_has_the_task_where_it_saves_most() -> None:
+    space = load_scenario(SCENARIO).tasks.space
+    first, second, third = (space.task({"speed": speed, "cycle_duration": 0.5}, "sampled") for speed in (0.5, 0.6, 0.7))
+    suspects = [
+        Suspect(first, frozenset({0}), False, {1: 0.02, 2: 0.05}),
+        Suspect(second, frozenset({0}), False, {1: 0.03}),
+        Suspect(third, frozenset({0}), True, {}),
+    ]
+    assert where_missing(suspects) == [(first, 0.05), (second, 0.03)], "where no gait is missing none is searched"
+    both = [Suspect(first, frozenset({0}), False, {1: 0.02, 2: 0.05})]
+    assert where_missing(both) == [(first, 0.05)], "a task once"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from gaitflow.config.tasks import tasks_of
 from gaitflow.core.domain import Domain
 from gaitflow.core.task import Task
 from gaitflow.sampling import steps
+from gaitflow.sampling.picks import Suspect
 from gaitflow.sampling.rounds import Kind, Round, task_at
 from gaitflow.sampling.steps import Steps
 
@@ -36,7 +38,8 @@ class Making:
         self.told: list[str] = []
         self.tell = self.told.append
         self.wrong = self.filled = 0
-        self.growth = SimpleNamespace(is_wide=False)
+        self.growth = SimpleNamespace(is_wide=False, grid=tuple(axes.values()))
+        self.picked, self.places, self.regrets = {0}, np.array([[0.5, 0.6]]), np.zeros(1)
 
     def judge(self, tasks: Sequence[Task]) -> list[Verdict]:
         return [Verdict(task, "trot", "trot", 0.1 * (number < self.wrong)) for number, task in enumerate(tasks)]
@@ -55,12 +58,15 @@ class Making:
     def settle(self) -> int:
         return 0
 
+    def costs_atlas(self) -> None:
+        return None
+
 
 @pytest.fixture
 def making(monkeypatch: pytest.MonkeyPatch) -> Making:
     made = Making()
     monkeypatch.setattr(steps, "Picks", lambda _: made)
-    monkeypatch.setattr(steps, "rehearse", lambda *_: 0)
+    monkeypatch.setattr(steps, "rehearse", lambda *_: [])
     return made
 
 
@@ -109,11 +115,36 @@ def test_a_quiet_round_is_followed_by_tests_and_a_certificate(making: Making) ->
 def test_random_picks_that_lack_a_gait_lead_to_searches_but_over_many_axes(
     making: Making, monkeypatch: pytest.MonkeyPatch, is_wide: bool, expected: str
 ) -> None:
-    monkeypatch.setattr(steps, "rehearse", lambda *_: 1)
+    monkeypatch.setattr(steps, "rehearse", lambda *_: [Suspect(tasks(making, 1)[0], frozenset({0}), infeasible=True)])
     making.growth.is_wide = is_wide
     after = begun(making)
     doubt(after, making, wrong=0)
     assert after.next_kind(1000) == expected and making.filled == 1
+
+
+def test_a_missing_gait_is_searched_where_it_saves_most(making: Making, monkeypatch: pytest.MonkeyPatch) -> None:
+    first, second = tasks(making, 2)
+    lacking = [Suspect(first, frozenset({0}), False, {1: 0.02}), Suspect(second, frozenset({0}), False, {1: 0.04})]
+    monkeypatch.setattr(steps, "rehearse", lambda *_: lacking)
+    asked: list[tuple[Any, ...]] = []
+
+    def placed(*arguments: Any) -> list[tuple[float, float]]:
+        asked.append(arguments)
+        return [(1.0, 0.5)] * arguments[6]
+
+    monkeypatch.setattr(steps, "next_places", placed)
+    after = begun(making)
+    doubt(after, making, wrong=0)
+    assert after.next_kind(1000) == "doubt"
+    after.begin("doubt")
+    chosen = after.tasks_of("doubt", 1000)
+    assert chosen[0] == second and first not in chosen and len(chosen) == EACH
+    _, _, searched, regrets, *_, number, _ = asked[-1]
+    assert number == EACH - 1 and regrets.tolist() == [0.0, 0.04]
+    assert searched[-1].tolist() == list(second.on(making.scenario.tasks.ranges)), "no other search is needed there"
+    after.done(Round("doubt", tuple(chosen)))
+    after.begin("doubt")
+    assert after.tasks_of("doubt", 1000)[0] == second, "the map was prepared anew"
 
 
 def test_small_rounds_that_are_never_quiet_are_not_repeated_for_ever(making: Making) -> None:
