@@ -86,7 +86,7 @@ class Steps:
         low, high = (np.array([values[end] for values in grid]) for end in (0, -1))
         seed = self._seed * MORE_SEEDS + self._rounds
         atlas, picked = making.costs_atlas(), making.picked
-        # Doubt looks where a pick may be very wrong. A gait that would save a few per cent would wait for ever.
+        # In doubt the few per cent that a missing gait promises weigh less than what unsure predictions may be off by.
         missing = where_missing(self._lacking)[:number]
         ranged, space = making.scenario.tasks.ranges, making.scenario.tasks.space
         known = np.vstack([making.places, *(np.array(task.on(ranged)) for task, _ in missing)])
