@@ -68,9 +68,12 @@ def _on_ctrl_c(handler: signal._HANDLER) -> Iterator[None]:
         yield
         return
     before = signal.signal(signal.SIGINT, handler)
+    # Whoever starts us may have blocked it, so that it waits until now: see `run_stoppable`.
+    mask = signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     try:
         yield
     finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         signal.signal(signal.SIGINT, before)
 
 

@@ -12,8 +12,8 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from gaitflow.execute.stop_request import SPOKEN_FOR, stop_request
@@ -30,12 +30,26 @@ def run_stoppable(command: Sequence[str], folder: Path, environment: Mapping[str
     """
     with stop_request() as stop:
         told = {**environment, SPOKEN_FOR: "1"}
-        process = subprocess.Popen(command, cwd=folder, env=told, start_new_session=True)
+        with _interrupts_blocked():
+            process = subprocess.Popen(command, cwd=folder, env=told, start_new_session=True)
         while not stop.is_set():
             with suppress(subprocess.TimeoutExpired):
                 return process.wait(POLL_S)
         _stop(process)
     raise KeyboardInterrupt
+
+
+@contextmanager
+def _interrupts_blocked() -> Iterator[None]:
+    """What a program inherits: an interruption waits until it unblocks SIGINT, as our commands do when they start.
+
+    Python answers one with a traceback while it starts itself, before a line of ours has run.
+    """
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 def _stop(process: subprocess.Popen[bytes]) -> None:

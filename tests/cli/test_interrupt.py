@@ -52,6 +52,8 @@ def in_terminal(workspace: Path, *arguments: str, press: Callable[[str, float], 
     if child == 0:
         os.chdir(workspace)
         os.environ.pop("COVERAGE_PROCESS_CONFIG", None)  # Ctrl-C would meet coverage while it starts, not gaitflow
+        # Nor is Ctrl-C to meet Python while it starts, on a slow machine: it waits for our first line.
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         os.execv(sys.executable, command(*arguments))
     screen, start, pressed = "", time.monotonic(), False
     while time.monotonic() - start < 60:
