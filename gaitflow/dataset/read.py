@@ -92,7 +92,8 @@ class StoredSolution(Solution):
 class Solutions(Sequence[StoredSolution]):
     """Solutions in the dataset's row order: by split, task (speed fastest), pattern.
 
-    `table` is the Arrow table, `record` where it comes from (scenario, code, versions; see tables/provenance.py).
+    `table` is the Arrow table, whose arrays have lost their fixed size, so that rows without a motion take no memory.
+    `record` is where it comes from (scenario, code, versions; see tables/provenance.py).
     """
 
     def __init__(self, table: pa.Table, record: dict[str, Any]) -> None:

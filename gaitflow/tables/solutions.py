@@ -50,6 +50,7 @@ def solutions_to_table(solutions: Sequence[Solution], scenario: Mapping[str, Any
 def table_to_solutions(table: pa.Table, scenario: Mapping[str, Any]) -> Iterator[Solution]:
     """The solutions of a table that `solutions_to_table` made, exactly as they were, in row order.
 
+    Its arrays may have lost their fixed size, as those of `read_table` have.
     Arrays are read-only views where Arrow allows it. Raises ValueError when a column is missing or lacks its shape.
     """
     space, layout = TaskSpace.of(scenario), Layout.of(scenario)
@@ -89,7 +90,8 @@ def _trajectory(stored: Mapping[str, Array | None], layout: Layout) -> Trajector
 def _shape(field: pa.Field, expected: tuple[int, ...]) -> tuple[int, ...]:
     text = (field.metadata or {}).get(b"shape", b"").decode("ascii", "replace")
     shape = tuple(int(part) for part in text.split(",") if part.isdigit())
-    if not isinstance(field.type, pa.FixedSizeListType) or prod(shape) != field.type.list_size or shape != expected:
+    is_list = field.type == pa.list_(pa.float64())  # as `read_table` gives them
+    if shape != expected or not (is_list or field.type == pa.list_(pa.float64(), prod(shape))):
         raise ValueError(
             f"not a table of solutions: column {field.name} is {field.type} with the shape {text!r}, "
             f"expected the shape {expected}"

@@ -108,7 +108,7 @@ def replaced(table: pa.Table, name: str, values: pa.Array) -> pa.Table:
 
 def test_what_is_sealed_and_yet_no_solutions_is_refused_by_name(dataset: Path, tmp_path: Path) -> None:
     solutions = load_solutions(dataset)
-    table, record, rows = solutions.table, solutions.record, len(solutions)
+    table, record, rows = pq.read_table(dataset), solutions.record, len(solutions)
     odd = pa.field("split", pa.string(), True)
     patterns, base = pa.array(["01x/110"] * rows), table["base"].combine_chunks()
     infinite = pa.FixedSizeListArray.from_arrays(pa.array(np.full(rows * base.type.list_size, np.inf)), type=base.type)
