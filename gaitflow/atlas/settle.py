@@ -18,6 +18,7 @@ from gaitflow.atlas.node import Place
 from gaitflow.runtime.atlas import Atlas
 
 ROUNDS = 4
+NEAREST = 3  # nodes from which a place is tried
 
 Known = Mapping[Place, Mapping[int, float]]  # at each searched place the excess of each gait with a motion, by number
 
@@ -49,8 +50,7 @@ def settle(
     for number in range(ROUNDS):
         wrong = _mistakes(growth, gaits, known, tolerance)
         tell(f"other gaits than the search's at {len(wrong)} of {len(known)} tasks, round {number + 1}")
-        added = [_correct(growth, gaits, place, pair, known[place]) for place, pair in wrong.items()]
-        if not any(added):
+        if not _correct(growth, gaits, wrong, known):
             return len(wrong)
         growth.spread()
     return len(_mistakes(growth, gaits, known, tolerance))
@@ -71,20 +71,36 @@ def _mistakes(growth: Growth, gaits: Sequence[int], known: Known, tolerance: flo
     return {place: pair for place, pair in found.items() if pair}
 
 
-def _correct(
-    growth: Growth, gaits: Sequence[int], place: Place, mistaken: Sequence[int], costs: Mapping[int, float]
-) -> bool:
-    """Nodes of some gaits' sheets at a place, or the border of one that has no motion there; whether any is new."""
-    added = False
-    for sheet, gait in enumerate(gaits):
-        if gait in mistaken and growth.nodes[sheet]:
-            added |= _node_at(growth, sheet, place) or (gait not in costs and find_borders(growth, [(sheet, place)]))
-    return added
+def _correct(growth: Growth, gaits: Sequence[int], wrong: Mapping[Place, Sequence[int]], known: Known) -> bool:
+    """Nodes of mistaken gaits' sheets at their places, or the borders of those without a motion; whether any is new."""
+    before = sum(map(len, growth.nodes)) + sum(map(len, growth.infeasible))
+    asked = [
+        (sheet, place)
+        for place, pair in wrong.items()
+        for sheet, gait in enumerate(gaits)
+        if gait in pair and growth.nodes[sheet]
+    ]
+    _add(growth, asked)
+    find_borders(growth, [(sheet, place) for sheet, place in asked if gaits[sheet] not in known[place]])
+    return sum(map(len, growth.nodes)) + sum(map(len, growth.infeasible)) > before
 
 
-def _node_at(growth: Growth, sheet: int, place: Place) -> bool:
-    """Whether a node of a sheet could be added: from the dataset's own solution or from the nearest nodes."""
-    starts = [growth.start_at(sheet, place), *growth.nearest(sheet, place, 3)]
-    return place not in growth.nodes[sheet] and any(
-        growth.keep(sheet, growth.solver.node(sheet, place, start)) for start in starts if start is not None
-    )
+def _add(growth: Growth, asked: Sequence[tuple[int, Place]]) -> None:
+    """Nodes of sheets at places, (sheet, place) each: from the dataset's own solution, else from the nearest nodes."""
+    starts = {
+        (sheet, place): [
+            start
+            for start in (growth.start_at(sheet, place), *growth.nearest(sheet, place, NEAREST))
+            if start is not None
+        ]
+        for sheet, place in asked
+        if place not in growth.nodes[sheet]
+    }
+    for attempt in range(1 + NEAREST):
+        requests = [
+            (sheet, place, each[attempt])
+            for (sheet, place), each in starts.items()
+            if place not in growth.nodes[sheet] and attempt < len(each)
+        ]
+        for (sheet, _, _), node in zip(requests, growth.solver.nodes(requests), strict=True):
+            growth.keep(sheet, node)

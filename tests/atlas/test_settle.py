@@ -56,6 +56,19 @@ def test_a_gait_that_lost_its_nodes_gets_them_back(growth: Growth) -> None:
     assert told[0] == "other gaits than the search's at 1 of 1 tasks, round 1"
 
 
+def test_nodes_of_several_places_are_solved_side_by_side(growth: Growth, monkeypatch: pytest.MonkeyPatch) -> None:
+    known = true_costs(growth)
+    for gait, places in enumerate(growth.nodes):
+        for place in list(places):
+            if place in known and known[place][gait] == 0:
+                del places[place]
+    wrong = {place: each for place, each in known.items() if mistaken(cost_atlas(growth, GAITS), place, each, 1e-3)}
+    sizes, solve = list[int](), growth.solver.nodes
+    monkeypatch.setattr(growth.solver, "nodes", lambda requests: sizes.append(len(requests)) or solve(requests))
+    settle(growth, GAITS, wrong, 1e-3)
+    assert len(wrong) > 1 and max(sizes) >= len(wrong)
+
+
 def test_what_cannot_be_mended_is_counted(growth: Growth) -> None:
     place = next(iter(true_costs(growth)))
     picked = cost_atlas(growth, GAITS)
