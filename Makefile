@@ -40,13 +40,13 @@ test: lint  ## lint and the fast tests, with Slurm's when it is installed; COVER
 	$(PYTEST) -m "not slow" $(if $(COVERED),--cov --cov-report=term:skip-covered --cov-fail-under=$(COVERED))
 
 slow-tests: $(STAMP)  ## the slow tests only
-	$(PYTEST) -m "slow and not slurm"
+	$(PYTEST) -m "slow and not slurm" --timeout=600
 
 slurm-tests: $(STAMP)  ## every test on a real Slurm (apt-get install slurm-wlm munge slurmdbd mariadb-server)
 	$(PYTEST) -m slurm --durations=5
 
 all-tests: lint  ## lint and every test, fast and slow
-	$(PYTEST) -m "not slurm"
+	$(PYTEST) -m "not slurm" --timeout=600
 
 constraints: $(STAMP)  ## write constraints.txt from what is installed now
 	$(BIN)/pip freeze --exclude-editable | sed 's/+[a-z0-9.]*$$//' > constraints.txt

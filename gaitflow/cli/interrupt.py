@@ -64,7 +64,10 @@ def while_running() -> Iterator[None]:
 
 @contextmanager
 def _on_ctrl_c(handler: signal._HANDLER) -> Iterator[None]:
-    if threading.current_thread() is not threading.main_thread():
+    # A worker process imports the command line, too, under this name, and its parent stops it. So it leaves SIGINT
+    # blocked: threads that libraries start while it is unblocked would hear Ctrl-C as long as the worker lives.
+    worker = "__mp_main__" in sys.modules
+    if worker or threading.current_thread() is not threading.main_thread():
         yield
         return
     before = signal.signal(signal.SIGINT, handler)

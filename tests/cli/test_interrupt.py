@@ -113,6 +113,31 @@ with while_running():
     assert (run.returncode, run.stderr) == (130, LINE + "\n")
 
 
+def test_a_worker_that_imports_the_command_line_leaves_ctrl_c_blocked(tmp_path: Path) -> None:
+    """Also in the threads of a library that is imported: they inherit what was blocked when they were started."""
+    script = """
+import multiprocessing, signal
+from multiprocessing import resource_tracker
+from gaitflow.cli.interrupt import while_importing
+with while_importing():
+    blocked = signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+def look(answers):
+    answers.send(blocked)
+if __name__ == "__main__":
+    spawn = multiprocessing.get_context("spawn")
+    ours, theirs = spawn.Pipe()
+    resource_tracker.ensure_running()
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    spawn.Process(target=look, args=(theirs,)).start()
+    print(blocked, ours.recv())
+"""
+    (tmp_path / "script.py").write_text(script)
+    run = subprocess.run(
+        [sys.executable, tmp_path / "script.py"], capture_output=True, text=True, timeout=60, check=True
+    )
+    assert run.stdout == "False True\n"
+
+
 @pytest.mark.parametrize("seconds", [0.5, 1.0])
 @pytest.mark.parametrize("stage", ["run", "solve", "estimate"])
 def test_ctrl_c_while_a_command_starts(workspace: Path, stage: str, seconds: float) -> None:
