@@ -66,7 +66,8 @@ def while_running() -> Iterator[None]:
 def _on_ctrl_c(handler: signal._HANDLER) -> Iterator[None]:
     # A worker process imports the command line, too, under this name, and its parent stops it. So it leaves SIGINT
     # blocked: threads that libraries start while it is unblocked would hear Ctrl-C as long as the worker lives.
-    worker = "__mp_main__" in sys.modules
+    # Everywhere else multiprocessing makes the same name an alias of the module `__main__`.
+    worker = getattr(sys.modules.get("__mp_main__"), "__name__", None) == "__mp_main__"
     if worker or threading.current_thread() is not threading.main_thread():
         yield
         return

@@ -97,9 +97,10 @@ def check(folder: Path, code: int, said: str, line: str) -> None:
         time.sleep(0.05)
 
 
-def test_an_interrupt_that_a_finaliser_loses_is_one_line_too() -> None:
-    lost = """
-import os, signal, time
+@pytest.mark.parametrize("library", ["os", "multiprocessing"])
+def test_an_interrupt_that_a_finaliser_loses_is_one_line_too(library: str) -> None:
+    lost = f"""
+import os, signal, time, {library}
 from gaitflow.cli.interrupt import while_running
 class Dying:
     def __del__(self):
