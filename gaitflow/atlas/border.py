@@ -13,7 +13,8 @@ from gaitflow.atlas.grow import DECIMALS, Growth
 from gaitflow.atlas.node import Node, Place, Request
 
 NARROW = 1 / 16  # steps between the two sides of a border that is known well enough
-STARTS = 2  # nearest nodes from which a place is tried
+STARTS = 2  # nearest nodes from which a place is tried, and then the nominal start
+NEAREST_ONLY = 1  # up to three axes where a border is narrowed, and where places are tried again
 AGAIN = 3  # times at most that all places without a motion are tried again
 
 
@@ -30,7 +31,7 @@ def find_borders(growth: Growth, places: Sequence[tuple[int, Place]]) -> bool:
     while beyond:
         middles = {at: _middle(growth, at[0], place) for at, place in beyond.items()}
         halved = [(at, middle) for at, middle in middles.items() if middle is not None]
-        _try(growth, [(sheet, middle) for (sheet, _), middle in halved])
+        _try(growth, [(sheet, middle) for (sheet, _), middle in halved], _starts_beside(growth))
         # A node in the middle is the nearest one from now on, so that the place beyond stays.
         beyond = {at: beyond[at] if middle in growth.nodes[at[0]] else middle for at, middle in halved}
     return sum(map(len, growth.nodes)) + sum(map(len, growth.infeasible)) > known
@@ -46,11 +47,17 @@ def reconsider(growth: Growth) -> int:
     for _ in range(AGAIN):
         given_up = [(sheet, place) for sheet, places in enumerate(growth.infeasible) for place in sorted(places)]
         known = sum(map(len, growth.nodes))
-        _try(growth, [(sheet, place) for sheet, place in given_up if growth.nodes[sheet] and growth.inside(place)])
+        left = [(sheet, place) for sheet, place in given_up if growth.nodes[sheet] and growth.inside(place)]
+        _try(growth, left, _starts_beside(growth))
         if sum(map(len, growth.nodes)) == known:
             break
         growth.spread()
     return sum(map(len, growth.nodes)) - before
+
+
+def _starts_beside(growth: Growth) -> int:
+    """From how many nodes a place is tried beside one that was given up, or that one again."""
+    return STARTS if growth.is_wide else NEAREST_ONLY
 
 
 def _middle(growth: Growth, sheet: int, place: Place) -> Place | None:
@@ -62,23 +69,26 @@ def _middle(growth: Growth, sheet: int, place: Place) -> Place | None:
     return tuple(round(float(x), DECIMALS) for x in (nodes[away.argmin()] + asked) / 2)
 
 
-def _try(growth: Growth, places: Sequence[tuple[int, Place]]) -> None:
+def _try(growth: Growth, places: Sequence[tuple[int, Place]], starts: int = STARTS) -> None:
     """A node of each pattern at its place, or the knowledge that there is none: by quick solves, then by careful ones.
 
     Near a border costs rise steeply, and there a sixth of what quick solves give up has a motion. Of 80 places over
-    four axes that both had given up all had one from the nominal start, since no node led to it.
+    four axes that both had given up all had one from the nominal start, since no node led to it. That one is tried
+    unless the start is the nearest node only.
     """
     left = [(sheet, place) for sheet, place in dict.fromkeys(places) if place not in growth.nodes[sheet]]
     for solve in (growth.solver.nodes, growth.solver.careful_nodes):
-        for start in range(STARTS):
+        for start in range(starts):
             requests = [
-                (sheet, place, starts[start])
+                (sheet, place, near[start])
                 for sheet, place in left
-                if start < len(starts := growth.nearest(sheet, place, STARTS))
+                if start < len(near := growth.nearest(sheet, place, starts))
             ]
             left = _without(growth, left, requests, solve(requests))
-    requests = [(sheet, place, growth.nominal(sheet, place)) for sheet, place in left]
-    for sheet, place in _without(growth, left, requests, growth.solver.careful_nodes(requests)):
+    if starts > NEAREST_ONLY:
+        requests = [(sheet, place, growth.nominal(sheet, place)) for sheet, place in left]
+        left = _without(growth, left, requests, growth.solver.careful_nodes(requests))
+    for sheet, place in left:
         growth.give_up(sheet, place)
 
 

@@ -27,8 +27,9 @@ from gaitflow.search.starts import nominal
 
 COMPETITIVE = 1.15  # a gait is seeded at, and spreads from, tasks where it costs at most this times the cheapest;
 COMPETITIVE_WIDE = 1.06  # over more axes than three, where a wider band would be most of all nodes
-HOPELESS = 1.15  # over more axes than three: what is predicted to cost more times the cheapest is not tried,
-MOST_IN_VAIN = 2  # and a gait is not tried again at a place after as many attempts in vain
+HOPELESS = 1.15  # over more axes than three: what is predicted to cost more times the cheapest is not tried
+MOST_IN_VAIN = 4  # attempts in vain after which a gait is not tried again at a place: of 1,069 further ones 2 led on;
+MOST_IN_VAIN_WIDE = 2  # over more axes than three
 CHEAPER = 1e-4  # relative: a motion that saves less is the same one
 PROMISING = 0.02  # relative: what a neighbour's motion must promise to save before it is tried
 DECIMALS = 9  # of the places of nodes
@@ -253,9 +254,9 @@ class Growth:
     def _promises(self, request: Request) -> bool:
         """Whether a prediction is of another motion than the one that is known there, if any, and of a cheaper one."""
         sheet, place, predicted = request
-        if self.is_wide and (
-            self._in_vain[sheet, place] >= MOST_IN_VAIN or predicted.cost > HOPELESS * self.best.get(place, np.inf)
-        ):
+        if self._in_vain[sheet, place] >= (MOST_IN_VAIN_WIDE if self.is_wide else MOST_IN_VAIN):
+            return False
+        if self.is_wide and predicted.cost > HOPELESS * self.best.get(place, np.inf):
             return False
         known = self.nodes[sheet].get(place)
         if known is None:

@@ -129,12 +129,19 @@ def test_borders_are_in_the_atlas(grown: Growth) -> None:
     assert sheets[1].infeasible.shape == (0, 2)
 
 
-def test_each_place_is_tried_quickly_and_carefully_from_two_nodes_and_from_the_nominal_start(grown: Growth) -> None:
+@pytest.mark.parametrize(("is_wide", "halving"), [(False, 2), (True, 5)])
+def test_a_place_is_tried_from_two_nodes_and_the_nominal_start_and_a_halving_from_the_nearest_node(
+    grown: Growth, monkeypatch: pytest.MonkeyPatch, is_wide: bool, halving: int
+) -> None:
+    """Quickly and carefully from each node; over many axes the halving is tried from all of them as well."""
+    monkeypatch.setattr(Growth, "is_wide", is_wide)
     speeds, durations = grown.grid
     growth = limited(grown, lambda place: place[0] <= speeds[0])
-    find_borders(growth, [(0, (speeds[0] + growth.steps[0], durations[0]))])
+    place = (speeds[0] + growth.steps[0], durations[0])
+    find_borders(growth, [(0, place)])
     asked = growth.solver.asked  # type: ignore[attr-defined]
-    assert {asked.count(place) for place in growth.infeasible[0]} == {5}
+    assert asked.count(place) == 5
+    assert {asked.count(near) for near in growth.infeasible[0] - {place}} == {halving}
 
 
 def test_the_nominal_start_finds_what_no_node_leads_to(grown: Growth, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -90,13 +90,14 @@ def test_over_many_axes_what_is_predicted_dear_is_not_solved(grown: Growth, monk
     assert thrifty.best == pytest.approx(grown.best, rel=1e-3), "what is cheapest anywhere is found all the same"
 
 
-def test_over_many_axes_a_gait_is_given_up_at_a_place_after_attempts_in_vain(
-    grown: Growth, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("is_wide", "most"), [(False, "MOST_IN_VAIN"), (True, "MOST_IN_VAIN_WIDE")])
+def test_a_gait_is_given_up_at_a_place_after_attempts_in_vain(
+    grown: Growth, monkeypatch: pytest.MonkeyPatch, is_wide: bool, most: str
 ) -> None:
-    monkeypatch.setattr(Growth, "is_wide", True)
+    monkeypatch.setattr(Growth, "is_wide", is_wide)
     monkeypatch.setattr(grow_module, "COMPETITIVE_WIDE", COMPETITIVE)
     monkeypatch.setattr(grow_module, "HOPELESS", np.inf)
-    monkeypatch.setattr(grow_module, "MOST_IN_VAIN", 1)
+    monkeypatch.setattr(grow_module, most, 1)
     thrifty = tiny_growth.__wrapped__()
     assert thrifty.solver.solves < grown.solver.solves
     assert thrifty.best == pytest.approx(grown.best, rel=1e-3), "what is cheapest anywhere is found all the same"
