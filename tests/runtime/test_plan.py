@@ -496,14 +496,14 @@ def test_plans_repeat_bit_by_bit(pristine: Path) -> None:
 
 def test_many_threads_plan_as_one_does(pristine: Path) -> None:
     gait_map = GaitMap.load(pristine)
-    tasks = _tasks(gait_map, 200, 11)
-    assert len(tasks) == 200
+    tasks = _tasks(gait_map, 80, 11)
+    assert len(tasks) == 80
     barrier, plans = threading.Barrier(8), [{} for _ in range(8)]
 
     def ask(number: int) -> None:
         barrier.wait()
         for n in range(len(tasks)):
-            task = tasks[(n + 25 * number) % len(tasks)]
+            task = tasks[(n + 10 * number) % len(tasks)]
             plans[number][task] = gait_map.plan(*task)
 
     threads = [threading.Thread(target=ask, args=(number,)) for number in range(8)]
