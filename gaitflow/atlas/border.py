@@ -73,8 +73,8 @@ def _try(growth: Growth, places: Sequence[tuple[int, Place]], starts: int = STAR
     """A node of each pattern at its place, or the knowledge that there is none: by quick solves, then by careful ones.
 
     Near a border costs rise steeply, and there a sixth of what quick solves give up has a motion. Of 80 places over
-    four axes that both had given up all had one from the nominal start, since no node led to it. That one is tried
-    unless the start is the nearest node only.
+    four axes that both had given up all had one from the nominal start, since no node led to it. With NEAREST_ONLY the
+    nominal start is left out.
     """
     left = [(sheet, place) for sheet, place in dict.fromkeys(places) if place not in growth.nodes[sheet]]
     for solve in (growth.solver.nodes, growth.solver.careful_nodes):

@@ -28,7 +28,7 @@ from gaitflow.search.starts import nominal
 COMPETITIVE = 1.15  # a gait is seeded at, and spreads from, tasks where it costs at most this times the cheapest;
 COMPETITIVE_WIDE = 1.06  # over more axes than three, where a wider band would be most of all nodes
 HOPELESS = 1.15  # over more axes than three: what is predicted to cost more times the cheapest is not tried
-MOST_IN_VAIN = 4  # attempts in vain after which a gait is not tried again at a place: of 1,069 further ones 2 led on;
+MOST_IN_VAIN = 4  # attempts after which a gait is not tried again at a place;
 MOST_IN_VAIN_WIDE = 2  # over more axes than three
 CHEAPER = 1e-4  # relative: a motion that saves less is the same one
 PROMISING = 0.02  # relative: what a neighbour's motion must promise to save before it is tried
