@@ -30,6 +30,7 @@ from gaitflow.tables.solver_code import SOLVER_SOURCES, package_digest, solver_v
 NODES, COSTS = ("node", "careful_node"), ("cost_at", "cost_from")  # of a `PlanSolver`; others take a tenth of the time
 NODE_SOURCES = (*SOLVER_SOURCES, "atlas/node.py")
 PLAN_SOURCES = {"cost_from": ("atlas/plan_solver.py",)}  # further code that a method's results depend on
+PIECE = 256  # solves after which what they led to is written: looking for borders asks for thousands at once
 _NUMBERS = ("slopes", "point", "tangents")
 
 
@@ -60,10 +61,12 @@ class _Keeping:
         keys = [self._key(method, pattern, *arguments) for pattern, arguments in calls]
         found = {key: node for key in keys if (node := self._table.read(key)) is not None}
         left = {key: call for key, call in zip(keys, calls, strict=True) if key not in found}
-        solved = self._each(method, list(left.values())) if left else []
-        fresh = {key: _bytes(result) for key, result in zip(left, solved, strict=True)}
-        self._table.add(fresh)
-        found |= fresh
+        asked = list(left)
+        for piece in (asked[first : first + PIECE] for first in range(0, len(asked), PIECE)):
+            solved = self._each(method, [left[key] for key in piece])
+            fresh = {key: _bytes(result) for key, result in zip(piece, solved, strict=True)}
+            self._table.add(fresh)
+            found |= fresh
         if method in COSTS:
             return [self._table.cost(found[key]) for key in keys]
         return [self._table.node(found[key], place) for key, (_, (place, *_)) in zip(keys, calls, strict=True)]

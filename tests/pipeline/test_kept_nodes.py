@@ -115,6 +115,27 @@ def test_a_stopped_growth_goes_on_where_it_was(table: Path, tmp_path: Path) -> N
     assert len(here.asked) == len(whole.asked) - 5
 
 
+def test_a_long_call_that_is_stopped_keeps_what_was_solved(
+    table: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here, path = Here(), copy(table, tmp_path)
+    node = next(iter(grown(path, here).nodes[0].values()))
+    calls = [(Pattern.from_text(PATTERN), (node.place, node.moved(node.place), limit)) for limit in (20, 21, 22)]
+
+    def stopped(method: str, asked: Sequence[tuple[Pattern, Sequence[Any]]]) -> list[Any]:
+        if any(call is calls[-1] for call in asked):
+            raise KeyboardInterrupt
+        return here(method, asked)
+
+    monkeypatch.setattr(module, "PIECE", 2)
+    with kept_nodes(path, tiny_problem().scenario, stopped) as each, pytest.raises(KeyboardInterrupt):
+        assert each is not None
+        each("cost_at", calls)
+    with kept_nodes(path, tiny_problem().scenario, here) as each:
+        assert each is not None and each("cost_at", calls) == [pytest.approx(node.cost)] * 3
+    assert here.asked == ["cost_at"] * 3
+
+
 @pytest.mark.parametrize("content", [b"not a database" * 100, b""])
 def test_a_file_that_is_none_of_ours_is_named(table: Path, tmp_path: Path, content: bytes) -> None:
     path = copy(table, tmp_path)
