@@ -47,7 +47,7 @@ class Steps:
         self._look = 0  # at it, the next one
         self._verdicts: list[Verdict] = []  # of its picks, and of its plans, as far as they were judged
         self._plans: list[Verdict] = []
-        self.certificate: Certificate | None = None
+        self.certificate: Certificate | None = None  # of the map as it is
         self.missed = 0
         self.curve: list[dict[str, Any]] = []
 
@@ -59,6 +59,8 @@ class Steps:
             return "start"
         if self._has_hope and self._tasks_of_next_look - len(self._drawn) <= left:
             return "more"
+        if self._drawn and self._tasks_to_ask_anew > left:
+            return None  # of a map that learned more there would be no certificate
         if not self._is_ready or self._tasks_of_next_look > left:
             return "doubt"
         # Tests and random picks may show where a gait is missing: one more round looks there.
@@ -72,6 +74,7 @@ class Steps:
         if kind == "doubt" and self._drawn:  # the map was not good enough: the certificate's tasks help to make it
             self._making.take(self._drawn, self._judged())
             self._drawn, self._verdicts, self._plans, self._since, self._look = [], [], [], 0, 0
+            self.certificate = None  # it is of the map before
         if kind == "certificate":
             self._certificates += 1
 
@@ -158,6 +161,12 @@ class Steps:
     def _tasks_of_next_look(self) -> int:
         """How many tasks a certificate has at its next look, those of the looks before among them."""
         return tasks_of_look(self._look, self._sampling.dearer, self._asked + 1)
+
+    @property
+    def _tasks_to_ask_anew(self) -> int:
+        """How many tasks a round of doubt and another certificate take."""
+        further = self._sampling.further(len(self._making.growth.grid))
+        return further + tasks_of_look(0, self._sampling.dearer, self._asked + 1)
 
     @property
     def _has_hope(self) -> bool:

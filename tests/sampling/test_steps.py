@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from gaitflow.certificate.bound import tasks_of_look
 from gaitflow.certificate.judge import Verdict
 from gaitflow.config.scenario import load_scenario
 from gaitflow.config.tasks import tasks_of
@@ -186,6 +187,23 @@ def test_two_dearer_picks_are_allowed_at_the_second_look(making: Making) -> None
     ask(after, making, "more", 0)
     assert after.certificate is not None and after.certificate.dearer_bound <= 0.02
     assert after.next_kind(1000) is None
+
+
+def test_a_certificate_stays_where_too_few_searches_are_left_for_another(making: Making) -> None:
+    """A map that learned from more tasks is another one, and the certificate would not be of it."""
+    after = begun(making, tasks(making, 100))
+    ask(after, making, "certificate", 4)
+    another = tasks_of_look(0, 0.02, 2)
+    assert another > TASKS_OF_A_CERTIFICATE and after.next_kind(EACH + another) == "doubt"
+    assert after.next_kind(EACH + another - 1) is None
+    assert after.certificate is not None and after.certificate.dearer == 4
+
+
+def test_a_map_that_learns_more_has_no_certificate(making: Making) -> None:
+    after = begun(making, tasks(making, 100))
+    ask(after, making, "certificate", 4)
+    doubt(after, making, wrong=4)
+    assert after.certificate is None and after.next_kind(0) is None
 
 
 def test_a_map_begun_from_many_searches_is_tested_at_once(making: Making) -> None:
