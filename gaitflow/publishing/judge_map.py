@@ -36,7 +36,7 @@ def faults_of_map(limits: Limits, metrics: Mapping[str, Any], certificate: Mappi
 def faults_of_certificate(goal: Sampling, certificate: Mapping[str, Any] | None) -> list[str]:
     """What of a map's certificate misses the goal of its sampling, a sentence each; a map without one misses it."""
     if certificate is None:
-        return [f"no certificate: tasks.sampling.most = {goal.most} tasks were searched before one could be tried"]
+        return [f"no certificate of the map as it is: tasks.sampling.most = {goal.most} left too few searches for one"]
     measured = [
         ("dearer", "share of tasks whose plan may be too dear", certificate["dearer_bound"]),
         ("infeasible", "share of tasks that may have no plan", certificate["infeasible_bound"]),

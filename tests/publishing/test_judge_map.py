@@ -91,5 +91,5 @@ def test_a_certificate_is_judged_by_the_goal_of_its_sampling() -> None:
     assert "0.031, more than tasks.sampling.dearer = 0.02" in dearer
     assert len(faults_of_certificate(goal, {"dearer_bound": 0.5, "infeasible_bound": 0.5})) == 2
     assert faults_of_certificate(goal, None) == [
-        "no certificate: tasks.sampling.most = 1000 tasks were searched before one could be tried"
+        "no certificate of the map as it is: tasks.sampling.most = 1000 left too few searches for one"
     ]

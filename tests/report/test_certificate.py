@@ -49,7 +49,7 @@ def test_a_certificate_of_plans_tells_of_selections_too() -> None:
 @pytest.mark.parametrize(
     ("certificate", "fault"),
     [
-        (None, "no certificate: tasks.sampling.most = 1000 tasks were searched"),
+        (None, "no certificate of the map as it is: tasks.sampling.most = 1000 left"),
         (GOOD.as_data() | {"dearer_bound": 0.08}, "0.08, more than tasks.sampling.dearer = 0.02"),
     ],
 )
