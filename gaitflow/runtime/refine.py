@@ -25,13 +25,13 @@ from gaitflow.solvers.program import Program
 
 MEAN_BARRIER = 1e-2  # of the mean of a region, far from any task
 LIMIT = 60  # iterations of a try: near cliffs some need twice the usual 25, and another start takes as many again
-RIVAL_LIMIT = 30  # of a candidate that may be cheaper, and has fewer tries: no plan of 137 came out dearer than with 60
+RIVAL_LIMIT = 30  # of a candidate that may save a little, and has one try: no plan of 137 came out dearer than with 60
 LEAST_COST = 1e-9
 
 
 def limit_of(atlas: Atlas, most: int) -> int:
     """The iterations of each of at most `most` tries of a candidate; the nominal start leads to a motion in the end."""
-    return RIVAL_LIMIT if most < STARTS and len(atlas.axes) <= NEAR_AXES else LIMIT
+    return RIVAL_LIMIT if most == 1 and len(atlas.axes) <= NEAR_AXES else LIMIT
 
 
 class Refiner(GaitRefiner):

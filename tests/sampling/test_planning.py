@@ -90,10 +90,11 @@ def test_tasks_are_solved_side_by_side() -> None:
     assert solver.batches == [[0, 0]] * STARTS + [[1, 1]]
 
 
-def test_what_may_be_cheaper_gets_fewer_iterations() -> None:
-    made, solver = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2)), Solver({0: 1.5, 1: 1.2})
+@pytest.mark.parametrize(("cost", "limit"), [(1.5, RIVAL_LIMIT), (3.0, LIMIT)])
+def test_what_may_save_a_little_gets_fewer_iterations(cost: float, limit: int) -> None:
+    made, solver = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2)), Solver({0: cost, 1: 1.2})
     together([solves(made, AMID, [0, 1], unasked)], solver)
-    assert (solver.batches, solver.limits) == ([[0], [1]], [LIMIT, RIVAL_LIMIT])
+    assert (solver.batches, solver.limits) == ([[0], [1]], [LIMIT, limit])
 
 
 @pytest.mark.parametrize("number", [0, 3])

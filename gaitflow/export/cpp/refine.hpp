@@ -44,8 +44,7 @@ class Refiner {
     const Vector task = map_.parameters(place);
     const double scale = map_.file().cost_scale;
     // The nominal start leads to a motion in the end.
-    const bool is_rival = most < Starts::most && place.size() <= AtlasView::near_axes;
-    const std::size_t iterations = is_rival ? rival_limit : limit;
+    const std::size_t iterations = most == 1 && place.size() <= AtlasView::near_axes ? rival_limit : limit;
     InteriorPoint& method = this->method(space_of(candidate));
     Starts starts(map_, program_, candidate, place, task);
     Attempt attempt{&candidate, Ending::lost, 0, 0, 0, {}};
@@ -68,7 +67,7 @@ class Refiner {
   }
 
  private:
-  static constexpr std::size_t limit = 60, rival_limit = 30;  // iterations of a start, and of one of fewer
+  static constexpr std::size_t limit = 60, rival_limit = 30;  // iterations of a start, and of the only one
 
   const Space& space_of(const Candidate& candidate) const {
     return candidate.sheet ? candidate.sheet->space : map_.gaits()[candidate.gait].space;
