@@ -50,7 +50,7 @@ def planned(program: Path, export: Exported, tasks: list[tuple[float, ...]]) -> 
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
-@pytest.mark.parametrize(("which", "count"), [("exported", 1000), ("crowded_export", 300)])
+@pytest.mark.parametrize(("which", "count"), [("exported", 300), ("crowded_export", 200)])
 def test_the_example_plans_as_python_does(
     program: Path, which: str, count: int, request: pytest.FixtureRequest
 ) -> None:
@@ -125,7 +125,7 @@ def test_what_does_not_converge_says_so(program: Path, tiny: TinyMap, export_of:
 
 def test_it_touches_no_foreign_memory(crowded_export: Exported, tmp_path: Path) -> None:
     guarded = built(crowded_export.folder, tmp_path, "plan", f"{SANITIZED}address,undefined")
-    tasks = tasks_of(GaitMap.load(crowded_export.model), 50)
+    tasks = tasks_of(GaitMap.load(crowded_export.model), 15)
     assert all(answer["refined"] for answer in planned(guarded, crowded_export, tasks))
 
 
