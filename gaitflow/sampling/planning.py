@@ -55,7 +55,11 @@ class Planning:
         """The plan at each task, None where no gait has a motion."""
         places = [task.on(self._atlas.axes) for task in tasks]
         asked = [solves(self._atlas, place, self._sheets, self._nominal) for place in places]
-        found = together(asked, self._making.solver.costs_from)
+
+        def on_plans(done: int) -> None:
+            self._making.tell(f"plan {done} of {len(tasks)}")
+
+        found = together(asked, self._making.solver.costs_from, on_plans)
         scale = self._making.problem.cost_scale
         return [
             self._from_other_starts(task) if plan is None else Planned(self._gaits[plan.gait], plan.cost * scale)
@@ -121,9 +125,14 @@ def _solved(atlas: Atlas, asked: Array, patterns: Sequence[int], nominal: Nomina
 
 
 def together(
-    asked: Iterable[Solves], solve: Callable[[Sequence[Try], int], Sequence[float | None]]
+    asked: Iterable[Solves],
+    solve: Callable[[Sequence[Try], int], Sequence[float | None]],
+    on_plans: Callable[[int], None] = lambda done: None,
 ) -> list[Planned | None]:
-    """What generators end with; `solve` is given the requests of all that go on, those of one limit at a time."""
+    """What generators end with; `solve` is given the requests of all that go on, those of one limit at a time.
+
+    `on_plans` hears how many have ended, each time that all others ask for another solve.
+    """
     going = list(asked)
     found: list[Planned | None] = [None] * len(going)
     answers: dict[int, float | None] = dict.fromkeys(range(len(going)))
@@ -135,6 +144,7 @@ def together(
                 requests.setdefault(limit, {})[number] = request
             except StopIteration as end:
                 found[number] = end.value
+        on_plans(len(going) - sum(map(len, requests.values())))
         answers = {}
         for limit, each in requests.items():
             answers |= zip(each, solve(list(each.values()), limit), strict=True)

@@ -85,7 +85,9 @@ def test_where_no_gait_is_known_nothing_is_solved() -> None:
 
 def test_tasks_are_solved_side_by_side() -> None:
     made, solver = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2)), Solver({1: 1.2})
-    plans = together([solves(made, place, [0, 1], unasked) for place in (AMID, (9.0, 9.0), (0.5, 0.5))], solver)
+    asked, told = [solves(made, place, [0, 1], unasked) for place in (AMID, (9.0, 9.0), (0.5, 0.5))], list[int]()
+    plans = together(asked, solver, told.append)
+    assert told == [1] * (STARTS + 1) + [3], "how many have ended"
     assert plans == [Planned(1, 1.2), None, Planned(1, 1.2)]
     assert solver.batches == [[0, 0]] * STARTS + [[1, 1]]
 
