@@ -59,8 +59,8 @@ def built(artifact: Path, scratch: Path) -> tuple[Path, float]:
     export, build = scratch / "map", scratch / "build"
     export_c(artifact, export)
     before = _children_s()
-    for_this_processor = "-DCMAKE_CXX_FLAGS=-march=native"
-    run_program(["cmake", "-S", str(EXAMPLES), "-B", str(build), f"-Dgaitflow_map_DIR={export}", for_this_processor])
+    for_this_processor = [f"-DCMAKE_{language}_FLAGS=-march=native" for language in ("C", "CXX")]
+    run_program(["cmake", "-S", str(EXAMPLES), "-B", str(build), f"-Dgaitflow_map_DIR={export}", *for_this_processor])
     run_program(["cmake", "--build", str(build), "--target", "plan"])
     return build / "plan", _children_s() - before
 

@@ -17,7 +17,7 @@ def built(export: Path, build: Path, program: str, flags: str = "", source: Path
         assert shutil.which(tool), f"{tool} is missing, so the export cannot be tested: apt-get install cmake g++"
     names = [f"-Dgaitflow_map_DIR={export}", "-DCMAKE_C_COMPILER=cc", "-DCMAKE_CXX_COMPILER=g++"]
     if flags:
-        names += [f"-DCMAKE_CXX_FLAGS={flags}", "-DCMAKE_BUILD_TYPE=None"]
+        names += [f"-DCMAKE_CXX_FLAGS={flags}", "-DCMAKE_C_FLAGS=-O1", "-DCMAKE_BUILD_TYPE=None"]
     for command in (["-S", str(source), "-B", str(build), *names], ["--build", str(build), "--target", program]):
         done = subprocess.run(["cmake", *command], capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout + done.stderr

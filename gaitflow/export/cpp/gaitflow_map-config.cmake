@@ -13,6 +13,8 @@ add_library(gaitflow_map STATIC
   "${CMAKE_CURRENT_LIST_DIR}/hessian.c")
 target_include_directories(gaitflow_map PUBLIC "${CMAKE_CURRENT_LIST_DIR}")
 target_compile_features(gaitflow_map PUBLIC cxx_std_17)
-# -O2 takes a compiler four times as long for straight code that is no faster in a plan.
-target_compile_options(gaitflow_map PRIVATE -O1)
+# A longer build than with -O1, for a third less time in the problem's functions. A level in CMAKE_C_FLAGS stays.
+if(NOT CMAKE_C_FLAGS MATCHES "-O")
+  target_compile_options(gaitflow_map PRIVATE -O3)
+endif()
 target_link_libraries(gaitflow_map PUBLIC m)

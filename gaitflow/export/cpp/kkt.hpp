@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <random>
 #include <utility>
@@ -44,13 +45,15 @@ class Kkt {
     }
     for (std::size_t row = 0; row < rows_; ++row)
       if (!joins[row]) kept_.push_back(row);
-    for (HessianEntry& entry : hessian_) {
-      entry.twice = groups_[entry.top] == groups_[entry.left] && entry.top != entry.left ? 2.0 : 1.0;
-      entry.of_paths = moves[entry.top] || moves[entry.left];
+    for (std::size_t k = 0; k < hessian_.size(); ++k) {
+      HessianEntry& entry = hessian_[k];
+      entry.twice = groups_[entry.top] == groups_[entry.left] && entry.top != entry.left;
+      if (moves[entry.top] || moves[entry.left]) hessian_of_paths_.push_back(k);
     }
-    for (JacobianEntry& entry : jacobian_) {
+    for (std::size_t k = 0; k < jacobian_.size(); ++k) {
+      JacobianEntry& entry = jacobian_[k];
       entry.kept = !joins[entry.row];
-      entry.of_paths = moves[entry.column] && entry.kept;
+      if (moves[entry.column] && entry.kept) jacobian_of_paths_.push_back(k);
     }
     build();
     diagonal_.resize(free_), offsets_.resize(free_), sums_.resize(free_);
@@ -77,7 +80,7 @@ class Kkt {
     for (int tried = 0; tried < corrections; ++tried) {
       std::size_t place = 0;
       ldlt_.clear();
-      for (const HessianEntry& entry : hessian_) ldlt_.at(place++) += entry.twice * entry.value;
+      for (const HessianEntry& entry : hessian_) ldlt_.at(place++) += entry.twice ? 2 * entry.value : entry.value;
       for (const JacobianEntry& entry : jacobian_)
         if (entry.kept) ldlt_.at(place++) += entry.value;
       for (std::size_t i = 0; i < free_; ++i) ldlt_.at(place++) += diagonal_[i] = variables[i] + lift;
@@ -114,7 +117,7 @@ class Kkt {
   void solve_once(const Vector& right, Vector& solution) {
     reduced_ = right;
     if (paths_.offsets(right.data() + free_, offsets_) > rounding) {
-      times(offsets_, nullptr, false);
+      times(offsets_, nullptr, true);
       for (std::size_t i = 0; i < free_; ++i) reduced_[i] -= sums_[i];
       for (std::size_t i = 0; i < rows_; ++i) reduced_[free_ + i] -= row_sums_[i];
     }
@@ -136,31 +139,39 @@ class Kkt {
   static constexpr int corrections = 12, refinements = 1;
   static constexpr double rounding = 1e-14;  // of right sides
 
+  // Small, as all entries are read several times a step.
   struct HessianEntry {
-    std::size_t from, top, left;  // its place among the program's values; two free variables, top <= left
-    double twice, value;          // two variables that are one unknown meet on the diagonal, from both sides
-    bool of_paths;
+    std::uint32_t from, top, left;  // its place among the program's values; two free variables, top <= left
+    bool twice;                     // two variables that are one unknown meet on the diagonal, from both sides
+    double value;
   };
   struct JacobianEntry {
-    std::size_t from, row, column;
+    std::uint32_t from, row, column;
+    bool kept;
     double value;
-    bool kept, of_paths;
   };
+
+  static std::uint32_t small(std::size_t number) { return static_cast<std::uint32_t>(number); }
 
   // (H + D_w) * variables + J^T * multipliers [nF] in sums_, J * variables [nE + nI] in row_sums_; of all entries, or
   // for variables on paths only. No multipliers: zeros.
   void times(const Vector& variables, const double* multipliers, bool of_paths) {
     for (std::size_t i = 0; i < free_; ++i) sums_[i] = diagonal_[i] * variables[i];
     std::fill(row_sums_.begin(), row_sums_.end(), 0.0);
-    for (const HessianEntry& entry : hessian_) {
-      if (of_paths && !entry.of_paths) continue;
+    const auto add_hessian = [&](const HessianEntry& entry) {
       sums_[entry.top] += entry.value * variables[entry.left];
       if (entry.top != entry.left) sums_[entry.left] += entry.value * variables[entry.top];
-    }
-    for (const JacobianEntry& entry : jacobian_) {
-      if (of_paths && !entry.of_paths) continue;
+    };
+    const auto add_jacobian = [&](const JacobianEntry& entry) {
       if (multipliers) sums_[entry.column] += entry.value * multipliers[entry.row];
       row_sums_[entry.row] += entry.value * variables[entry.column];
+    };
+    if (of_paths) {
+      for (const std::size_t k : hessian_of_paths_) add_hessian(hessian_[k]);
+      for (const std::size_t k : jacobian_of_paths_) add_jacobian(jacobian_[k]);
+    } else {
+      for (const HessianEntry& entry : hessian_) add_hessian(entry);
+      for (const JacobianEntry& entry : jacobian_) add_jacobian(entry);
     }
   }
 
@@ -186,7 +197,7 @@ class Kkt {
     for (std::size_t k = 0; k < hessian.size(); ++k) {
       const auto& [top, left] = program_.hessian_places()[k];
       if (variable[top] == none || variable[left] == none || (hessian[k] == 0 && program_.hessian()[k] == 0)) continue;
-      hessian_.push_back({k, variable[top], variable[left], 1.0, 0.0, false});
+      hessian_.push_back({small(k), small(variable[top]), small(variable[left]), false, 0.0});
     }
     std::vector<Entry> constant;  // or NaN
     for (std::size_t k = 0; k < jacobian.size(); ++k) {
@@ -194,7 +205,7 @@ class Kkt {
       const std::size_t column = variable[program_.jacobian_places()[k].second];
       const double value = jacobian[k], other = program_.jacobian()[k];
       if (at == none || column == none || (value == 0 && other == 0)) continue;
-      jacobian_.push_back({k, at, column, 0.0, false, false});
+      jacobian_.push_back({small(k), small(at), small(column), false, 0.0});
       if (at < equal_) constant.push_back({at, column, value == other ? value : std::nan("")});
     }
     paths_ = Paths(constant, equal_, free_);
@@ -217,6 +228,7 @@ class Kkt {
   std::size_t free_, equal_, rows_, unknowns_ = 0;
   std::vector<HessianEntry> hessian_;
   std::vector<JacobianEntry> jacobian_;
+  Indices hessian_of_paths_, jacobian_of_paths_;  // those of kept rows that meet a variable on a path
   Paths paths_;
   Indices groups_, kept_;  // the unknown of each variable; the rows that join none
   Ldlt ldlt_;
