@@ -4,11 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
-import multiprocessing
-import os
-import signal
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from typing import Any
 
@@ -16,7 +12,7 @@ from gaitflow.atlas.node import Each
 from gaitflow.atlas.plan_solver import PlanSolver
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern
-from gaitflow.execute.line_process import ONE_THREAD, die_with
+from gaitflow.execute.spawn import processes, starting
 from gaitflow.problem import transcribe
 
 PARTS = 4  # of its share that a process gets at once: solves take unequal times
@@ -32,33 +28,15 @@ def node_processes(scenario: Scenario, workers: int) -> Iterator[Each | None]:
         yield None
         return
     text = json.dumps(scenario.as_data())
-    spawn = multiprocessing.get_context("spawn")  # the caller may have threads
-    with ProcessPoolExecutor(workers, spawn, die_with, (os.getpid(),)) as pool:
+    with processes(workers) as pool:
 
         def each(method: str, calls: Sequence[tuple[Pattern, Sequence[Any]]]) -> list[Any]:
             share = max(len(calls) // (PARTS * workers), 1)
-            with _starting():
+            with starting():
                 results = pool.map(functools.partial(_call, text, method), calls, chunksize=share)
             return list(results)
 
         yield each
-
-
-@contextmanager
-def _starting() -> Iterator[None]:
-    """What processes inherit that are started now: one thread of algebra; and a Ctrl-C is the parent's to handle."""
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    own = {name: os.environ.get(name) for name in ONE_THREAD}
-    os.environ.update(ONE_THREAD)
-    try:
-        yield
-    finally:
-        for name, value in own.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
 
 
 def _call(scenario: str, method: str, call: tuple[Pattern, Sequence[Any]]) -> Any:

@@ -18,8 +18,10 @@ from gaitflow.config.scenario import Scenario
 from gaitflow.core.errors import ArtifactError
 from gaitflow.core.task import Task
 from gaitflow.dataset.labels import gait_costs
+from gaitflow.execute.display import display
 from gaitflow.execute.local import local_run_client
-from gaitflow.execute.progress import progress
+from gaitflow.execute.map_processes import Asked, Planned, plan_all
+from gaitflow.execute.progress import countdown, progress
 from gaitflow.execute.run import run_units
 from gaitflow.files import make_folder
 from gaitflow.pipeline.workspace import Workspace
@@ -50,11 +52,15 @@ def certify_map(
     domain, space = gait_map.manifest.domain, scenario.tasks.space
     drawn = draw_tasks(domain, space, number, seed, "held_out")
     costs = _searched(workspace, gait_map, scenario, drawn, workers)
-    plans = judge_plans(drawn, [_planned(gait_map, task) for task in drawn], costs)
-    selections = judge_picks(drawn, [_pick(gait_map, task) for task in drawn], costs, _cost_of_pick(gait_map))
     further = max(tasks_needed(0, goal.infeasible, chance_infeasible) - number, 0)
     planned = draw_tasks(domain, space, further, PLANNED_SEED + seed, "held_out")
-    have_plans = [_planned(gait_map, task)[1] is not None for task in planned]
+    with display(f"plans of {gait_map.manifest.name} {gait_map.manifest.version}") as tell:
+        on_plan, every = countdown(tell, "plans"), [*drawn, *planned]
+        asked = [(_values(gait_map, task), None) for task in every]
+        found = plan_all(path, asked, workers, lambda done: on_plan(done, len(every)))
+        plans = judge_plans(drawn, [(_key(gait_map, gait), cost) for gait, cost in found[:number]], costs)
+        selections = _judged_picks(gait_map, drawn, costs, lambda picked: plan_all(path, picked, workers))
+    have_plans = [cost is not None for _, cost in found[number:]]
     return certify(plans, selections, have_plans, 1, seed), plans, gait_map
 
 
@@ -88,23 +94,21 @@ def _values(gait_map: GaitMap, task: Task) -> dict[str, Any]:
     return {axis: task[axis] for axis in gait_map.axes}
 
 
-def _planned(gait_map: GaitMap, task: Task) -> tuple[str, float | None]:
-    plan = gait_map.plan(**_values(gait_map, task))
-    return _key(gait_map, plan.gait), plan.cost if plan.feasible else None
+def _judged_picks(
+    gait_map: GaitMap, tasks: Sequence[Task], costs: pd.DataFrame, plan: Callable[[Sequence[Asked]], Sequence[Planned]]
+) -> list[Verdict]:
+    """Verdicts on what `select` names; `plan` is asked for all picks at once that the search's own motions fail."""
+    names = [str(gait_map.select(**_values(gait_map, task)).gait) for task in tasks]
+    picks = [_key(gait_map, name) for name in names]
+    by_search = judge_picks(tasks, picks, costs, lambda task: None)
+    dear = {
+        verdict.task: (_values(gait_map, verdict.task), name)
+        for verdict, name in zip(by_search, names, strict=True)
+        if verdict.dearer
+    }
+    planned = dict(zip(dear, plan(list(dear.values())), strict=True))
+    return judge_picks(tasks, picks, costs, lambda task: planned[task][1])
 
 
-def _pick(gait_map: GaitMap, task: Task) -> str:
-    return _key(gait_map, gait_map.select(**_values(gait_map, task)).gait)
-
-
-def _key(gait_map: GaitMap, name: str | None) -> str:
+def _key(gait_map: GaitMap, name: str) -> str:
     return next(gait.key for gait in gait_map.gaits if gait.name == name)
-
-
-def _cost_of_pick(gait_map: GaitMap) -> Callable[[Task], float | None]:
-    def cost(task: Task) -> float | None:
-        values = _values(gait_map, task)
-        plan = gait_map.plan(gait=gait_map.select(**values).gait, **values)
-        return plan.cost if plan.feasible else None
-
-    return cost
