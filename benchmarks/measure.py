@@ -14,7 +14,7 @@ import pandas as pd
 from benchmarks.clients import drive, starts, walk
 from benchmarks.hostile import bench as hostile
 from benchmarks.infrastructure import faults, overhead, scale, speedup, store
-from benchmarks.online import cpp, map, online, select, speed
+from benchmarks.online import certify, cpp, map, online, select, speed
 from benchmarks.paper import discovery, minlp, phases, ranking, stances, table1, table2
 from benchmarks.search import certificate, mesh, referee, sampling, scaling
 from benchmarks.search.tasks import task_of
@@ -51,6 +51,7 @@ def measure(
         "certificate": lambda: certificate.run(
             scenario, pd.read_parquet(workspace.run(scenario).labels), seed=seed, runs=runs, **own
         ),
+        "certify": lambda: certify.run(workspace, resolve(workspace.models / scenario.name), tasks, seed),
         "clients": lambda: starts.run(resolve(workspace.models / scenario.name), seed=seed, **own),
         "cpp": lambda: cpp.run(resolve(workspace.models / scenario.name), seed=seed, **own),
         "discovery": lambda: discovery.run(

@@ -13,9 +13,9 @@ from gaitflow.cli.options import json_option
 from gaitflow.pipeline.workspace import Workspace
 
 BENCHES = (
-    "certificate", "clients", "cpp", "discovery", "drive", "faults", "hostile", "map", "mesh", "minlp", "online",
-    "overhead", "phases", "ranking", "referee", "sampling", "scale", "scaling", "select", "speed", "speedup", "stances",
-    "store", "table1", "table2", "walk",
+    "certificate", "certify", "clients", "cpp", "discovery", "drive", "faults", "hostile", "map", "mesh", "minlp",
+    "online", "overhead", "phases", "ranking", "referee", "sampling", "scale", "scaling", "select", "speed", "speedup",
+    "stances", "store", "table1", "table2", "walk",
 )  # fmt: skip
 PIPED_WIDTH = 160  # a table in a file need not fit a terminal
 DEFAULT_SCENARIO = "half-cheetah-flat-effort"
@@ -51,6 +51,7 @@ def bench(
     map        what making a map took, every label checked again (after `gaitflow run`)
     select     time to load a map and to ask it for a gait
     online     planning from a map: latency, consistency, comparison with the paper's way; draws a figure
+    certify    `gaitflow certify` with every task that it judged; 95 % bounds on wrong plans of a published map
     clients    whole-body shooting and predictive control from a map's plans, from a hand-made trot, and cold
     cpp        planning from an exported map in C++ (needs cmake, cc, g++)
     drive      a minute's drive in MuJoCo, commanded by speed alone: falls, switches, the loop's times
