@@ -55,6 +55,7 @@ class Growth:
     _starts: list[dict[Place, Prediction]] = field(init=False)
     _fringe: deque[tuple[int, Place]] = field(default_factory=deque)
     _in_vain: Counter[tuple[int, Place]] = field(default_factory=Counter)  # attempts that led to no cheaper motion
+    _planted: set[tuple[int, Place]] = field(default_factory=set)  # nodes of an earlier growth, which have spread there
 
     def __post_init__(self) -> None:
         self.nodes = [{} for _ in self.solver.patterns]
@@ -116,6 +117,16 @@ class Growth:
         self.on_node(sum(map(len, self.nodes)))
         return True
 
+    def plant(self, sheet: int, node: Node) -> None:
+        """Take in a node of an earlier growth, and its image: they have spread there, and are not sown again."""
+        self._store(sheet, node)
+        self._store_image(sheet, node)
+        self._planted.add((sheet, node.place))
+        if self.images is not None:
+            other = self.image_of(sheet)
+            self._planted.add((sheet if other is None else other, self.images.place(node.place)))
+        self.on_node(sum(map(len, self.nodes)))
+
     def _store(self, sheet: int, node: Node) -> None:
         self.nodes[sheet][node.place] = node
         self.infeasible[sheet].discard(node.place)
@@ -176,9 +187,14 @@ class Growth:
         competitive = [
             (sheet, place, self._starts[sheet][place])
             for (sheet, place), cost in sorted(costs.items(), key=lambda item: (item[1], item[0]))
-            if cost <= self._competitive * self.best[place]
+            if cost <= self._competitive * self.best[place] and self._is_news(sheet, place, cost)
         ]
         self._solve(competitive)
+
+    def _is_news(self, sheet: int, place: Place, cost: float) -> bool:
+        """Whether a solution's cost is of another motion than the planted node there, if there is one."""
+        known = self.nodes[sheet].get(place)
+        return (sheet, place) not in self._planted or known is None or cost < known.cost * (1 - CHEAPER)
 
     def start_at(self, sheet: int, place: Place) -> Prediction | None:
         """The dataset's own solution of a sheet at a place; None without one."""

@@ -67,8 +67,16 @@ def run(workspace: Workspace, scenario: str, workers: int, profile_file: Path | 
 @workers_option
 @profile_option
 @click.option("--begin", type=PUBLISHED, help="A published dataset from whose searches an adaptive sampling begins.")
+@click.option("--map", "earlier", type=PUBLISHED, help="With --begin: a map made from it, to begin with its nodes.")
 @click.pass_obj
-def solve(workspace: Workspace, scenario: str, workers: int, profile_file: Path | None, begin: Path | None) -> None:
+def solve(
+    workspace: Workspace,
+    scenario: str,
+    workers: int,
+    profile_file: Path | None,
+    begin: Path | None,
+    earlier: Path | None,
+) -> None:
     """Solve every task of SCENARIO that is not stored yet.
 
     The workers are processes of this machine; with --profile they are jobs of a cluster, driven from here. Stop it
@@ -84,12 +92,14 @@ def solve(workspace: Workspace, scenario: str, workers: int, profile_file: Path 
     from gaitflow.execute.run import RunFailed
     from gaitflow.execute.schedulers.base import SchedulerError
 
-    with bad_input():
+    if earlier is not None and begin is None:
+        raise click.UsageError("--map needs --begin, the dataset that the map was made from or a later version of it")
+    with bad_input(), refused_artifact():
         resolved = workspace.scenario(scenario)
         warn_of_training(resolved)
         try:
             profile = None if profile_file is None else load_profile(profile_file)
-            state, path = stages.solve(workspace, resolved, workers, profile, begin)
+            state, path = stages.solve(workspace, resolved, workers, profile, begin, earlier)
         except (RunFailed, NotComplete, DriverAlive, SchedulerError, EmptyDomain) as error:
             fail(str(error))
     click.echo(f"{state.solved} units solved, {state.failed} given up: {path}")

@@ -16,6 +16,7 @@ from gaitflow.config.tasks import tasks_of
 from gaitflow.core.task import Task
 from gaitflow.files import atomic_write
 from gaitflow.pipeline.atlas_record import atlas_record
+from gaitflow.pipeline.earlier_map import earlier_atlas
 from gaitflow.pipeline.json_file import read_json, write_json
 from gaitflow.pipeline.searched import motions_of, scalars_of
 from gaitflow.pipeline.workspace import Run
@@ -59,6 +60,8 @@ def sample(
         )
     store = UnitStore(run.folder)
     making = MapInMaking(scenario, scalars_of(store, scenario), motions_of(store, scenario), tell, each)
+    if (earlier := earlier_atlas(run, scenario, making.problem)) is not None:
+        making.begin_with(earlier)
     steps = Steps(making, sampling.seed)
     for number in range(sampling.most):  # no sampling has as many rounds, as each searches a task at least
         if number == len(rounds):

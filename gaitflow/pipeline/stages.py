@@ -40,13 +40,19 @@ class PublishedRun:
 
 
 def solve(
-    workspace: Workspace, scenario: Scenario, workers: int, profile: Profile | None = None, begin: Path | None = None
+    workspace: Workspace,
+    scenario: Scenario,
+    workers: int,
+    profile: Profile | None = None,
+    begin: Path | None = None,
+    earlier: Path | None = None,
 ) -> tuple[RunState, Path]:
     """Solve every unit that the store lacks and collect them into one file; choose the tasks first, where it says so.
 
     On `workers` processes of this machine, or with a profile on the jobs of a cluster. `begin` is a dataset from whose
-    searches the sampling begins. Raises DriverAlive when another process or job solves the run, WriteError, ValueError
-    when the dataset is not sound or of other searches.
+    searches the sampling begins, `earlier` a map made from it, whose nodes are solved again instead of grown. Raises
+    DriverAlive when another process or job solves the run, WriteError, ValueError when the dataset is not sound or of
+    other searches, or the map of another problem.
     """
     from gaitflow.dataset.collect import collect
     from gaitflow.execute.display import display
@@ -67,12 +73,15 @@ def solve(
                 raise ValueError(f"{scenario.name}: its tasks are a grid; only a sampling begins from a dataset")
             return search(), collect(store, scenario)
         from gaitflow.execute.node_processes import node_processes
+        from gaitflow.pipeline.earlier_map import keep_earlier
         from gaitflow.pipeline.kept_nodes import kept_nodes
         from gaitflow.pipeline.sampling import sample
         from gaitflow.pipeline.searches import begin_from
         from gaitflow.sampling.rounds import askings, held_out
 
         known = None if begin is None else begin_from(store, scenario, begin)
+        if begin is not None and earlier is not None:
+            keep_earlier(run, scenario, earlier, begin)
         with (
             node_processes(scenario, workers) as solving,
             kept_nodes(run.solved_nodes, scenario, solving) as each,

@@ -33,6 +33,11 @@ class Run:
         return self.folder / "sampling" / "nodes.sqlite"
 
     @property
+    def earlier_atlas(self) -> Path:
+        """The atlas of the published map whose nodes an adaptive sampling began with; see `earlier_map`."""
+        return self.folder / "sampling" / "earlier.safetensors"
+
+    @property
     def sampled_atlas(self) -> Path:
         """The atlas that an adaptive sampling ended with; what it says of it in `sampled_record`."""
         return self.folder / "sampling" / "atlas.safetensors"

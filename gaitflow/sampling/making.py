@@ -20,6 +20,7 @@ from gaitflow.atlas.node import Each
 from gaitflow.atlas.patterns import full_patterns, map_symmetry, nearly_best
 from gaitflow.atlas.plan_solver import PlanSolver
 from gaitflow.atlas.reach import reach
+from gaitflow.atlas.replant import replant
 from gaitflow.atlas.settle import known_costs, settle
 from gaitflow.certificate.judge import DEARER, Verdict
 from gaitflow.config.scenario import Scenario
@@ -59,6 +60,7 @@ class MapInMaking:
         self.gaits: list[str] = []  # their keys, since the name of one depends on which others there are
         self.labelled: set[str] = set()
         self.scalars, self._motions, self.tell = scalars, motions, tell
+        self._earlier: Atlas | None = None
         self._numbers: list[int] = []  # the gait of each full pattern of the growth
         self._rows, self._costs = pd.DataFrame(), pd.DataFrame()
         self.problem = transcribe(scenario)
@@ -90,6 +92,10 @@ class MapInMaking:
         """[n] what the picks at the known tasks had cost too much before they were searched."""
         return np.array([self._regrets.get(task, self._regrets.get(task.mirrored(), 0.0)) for task in self.known])
 
+    def begin_with(self, earlier: Atlas) -> None:
+        """Solve the nodes of an earlier map again, each pattern's as soon as it competes, instead of growing them."""
+        self._earlier = earlier
+
     def take(self, tasks: Sequence[Task], verdicts: Sequence[Verdict]) -> None:
         """Make the map from some more searched tasks, too; `verdicts` are of the picks there before."""
         tolerance, legs = self.scenario.learning.tie_tolerance, self.scenario.robot.leg_names
@@ -110,6 +116,9 @@ class MapInMaking:
         new = self._with_images([pattern for pattern in patterns if pattern not in taken])
         self.growth.extend([Pattern.from_text(pattern) for pattern in new])
         self._numbers += [self.gaits.index(self._gait_of(Pattern.from_text(pattern))) for pattern in new]
+        if new and self._earlier is not None:
+            found = replant(self.growth, self._earlier, new)
+            self.tell(f"{found} nodes of the earlier map solved again")
         if new and before:
             self.growth.sow(one for one in self._motions(before) if one.pattern in new)
         self.growth.sow(self._motions(tasks))

@@ -14,6 +14,7 @@ from gaitflow.atlas.compress import build_atlas, cost_atlas
 from gaitflow.atlas.grow import Growth
 from gaitflow.atlas.mirror import NodeImages
 from gaitflow.atlas.node import Node, NodeSolver
+from gaitflow.atlas.replant import replant
 from gaitflow.config.scenario import load_scenario
 from gaitflow.core.domain import Domain
 from gaitflow.core.gaits import Pattern
@@ -139,3 +140,13 @@ def test_of_a_cell_and_its_image_one_is_tested() -> None:
     tested = [cell.centre for cell in fill._cells(mirrored)]
     assert len(tested) == 3 and len(fill._cells(every)) == 6
     assert {*tested, *map(_images().place, tested)} == {cell.centre for cell in fill._cells(every)}
+
+
+def test_a_planted_node_brings_its_image() -> None:
+    before, atlas = _pair(), build_atlas(_pair(), [0, 1])
+    growth = Growth(_solver().problem, _solver(), before.domain, images=_images())
+    solves = _solver().solves
+    assert replant(growth, atlas, [WALK.text, IMAGE.text]) == 2 == _solver().solves - solves
+    for sheet in (0, 1):
+        assert set(growth.nodes[sheet]) == set(before.nodes[sheet])
+        assert growth.infeasible[sheet] == before.infeasible[sheet]

@@ -18,7 +18,7 @@ SCENARIO = """\
 name: adaptive-small
 robot: half_cheetah
 objective: {tangential_velocity: 1.0e+6, normal_velocity: 1.0e+6, tilt: 1.0e+6, tilt_rate: 1.0e+6}
-transcription: {knots_per_phase: 5, integrator: momentum, forces: linear, grading: 1.0}
+transcription: {knots_per_phase: 6, integrator: momentum, forces: linear, grading: 1.0}
 tasks:
   axes: {speed: {start: 0.3, stop: 1.5, count: 4}, cycle_duration: {start: 0.4, stop: 0.8, count: 3}}
   sampling: {start: 6, each: 3, most: 60, dearer: 0.2, infeasible: 0.1}
@@ -94,15 +94,24 @@ def test_a_map_chooses_its_tasks_until_it_is_certified(tmp_path: Path) -> None:
     assert asked["searched"] == 6 and asked["planned"] >= 6 and asked["dearer"] <= 2
     assert np.isclose(asked["dearer_bound"], 1.0) or asked["dearer_bound"] < 0.9
 
+    refined = tmp_path / "refined"
+    refined.mkdir()
+    (refined / "small.yaml").write_text(SCENARIO.replace("most: 60", f"most: {tasks}"))
+    begin = ("--begin", str(tmp_path / "datasets" / "adaptive-small"), "--map", str(tmp_path / "models/adaptive-small"))
+    gaitflow(refined, "solve", "small.yaml", *begin)
+    again = read(refined / "runs" / "adaptive-small" / "sampling" / "sampling.json")
+    assert all(again["nodes"][sheet] >= number for sheet, number in record["nodes"].items())
+    assert again["solves"] < record["solves"] / 2, "its nodes are solved again, and not grown"
+    gaitflow(refined, "solve", "small.yaml")  # goes on, with the nodes that it began with
+
 
 @pytest.mark.slow
 @pytest.mark.timeout(900)
 def test_a_sampling_begins_from_the_searches_of_a_stopped_one(tmp_path: Path) -> None:
     first, second = tmp_path / "first", tmp_path / "second"
-    finer = SCENARIO.replace("knots_per_phase: 5", "knots_per_phase: 8")  # costs within 1 % of an exact quadrature's
     for folder, most in ((first, 4), (second, 9)):
         folder.mkdir()
-        (folder / "small.yaml").write_text(finer.replace("most: 60", f"most: {most}"))
+        (folder / "small.yaml").write_text(SCENARIO.replace("most: 60", f"most: {most}"))
     gaitflow(first, "solve", "small.yaml")
     assert "datasets/adaptive-small/1.0.0" in gaitflow(first, "datasets", "publish", "small.yaml")
     assert gaitflow(first, "verify", "datasets/adaptive-small")
