@@ -53,4 +53,4 @@ def row(verdict: Verdict, gait_map: GaitMap) -> Row:
 def summarise(certificate: Certificate, verdicts: Sequence[Verdict], gait_map: GaitMap) -> Row:
     """The certificate, the map's version, and at how many tasks the plan's gait is the search's best."""
     same = sum(verdict.pick == verdict.best for verdict in verdicts)
-    return {"version": gait_map.manifest.version, "same_gait": same, **asdict(certificate)}
+    return {"version": str(gait_map.manifest.version), "same_gait": same, **asdict(certificate)}

@@ -28,7 +28,7 @@ def test_judged_plans_are_told_by_names() -> None:
     assert rows[2]["excess"] is None and rows[2]["best"] == "1/1", "a gait that the map does not have"
 
     summary = summarise(certify(verdicts, verdicts, [True], 1, 7), verdicts, gait_map)
-    assert summary["version"] == gait_map.manifest.version and summary["same_gait"] == 1
+    assert summary["version"] == str(gait_map.manifest.version) and summary["same_gait"] == 1
     assert (summary["dearer"], summary["searched"], summary["infeasible"], summary["planned"]) == (2, 3, 1, 4)
 
 
