@@ -52,7 +52,7 @@ def solve(
     On `workers` processes of this machine, or with a profile on the jobs of a cluster. `begin` is a dataset from whose
     searches the sampling begins, `earlier` a map made from it, whose nodes are solved again instead of grown. Raises
     DriverAlive when another process or job solves the run, WriteError, ValueError when the dataset is not sound or of
-    other searches, or the map of another problem.
+    other searches, or the map of another problem, ConfigError where a sampling's classifier cannot be trained.
     """
     from gaitflow.dataset.collect import collect
     from gaitflow.execute.display import display
@@ -73,12 +73,14 @@ def solve(
                 raise ValueError(f"{scenario.name}: its tasks are a grid; only a sampling begins from a dataset")
             return search(), collect(store, scenario)
         from gaitflow.execute.node_processes import node_processes
+        from gaitflow.pipeline.chances import check_trainable
         from gaitflow.pipeline.earlier_map import keep_earlier
         from gaitflow.pipeline.kept_nodes import kept_nodes
         from gaitflow.pipeline.sampling import sample
         from gaitflow.pipeline.searches import begin_from
         from gaitflow.sampling.rounds import askings, held_out
 
+        check_trainable(scenario)
         known = None if begin is None else begin_from(store, scenario, begin)
         if begin is not None and earlier is not None:
             keep_earlier(run, scenario, earlier, begin)

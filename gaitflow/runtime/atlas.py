@@ -16,6 +16,8 @@ task.
    c_i + T_i (x - p_i) is further than `tear` from that of the nearest node; `costs`, for all sheets, asks all nodes.
 4. With m = sum of w_i (p_i - x), by how much the nodes' centre is off x, the prediction is the sum of
    w_i (c_i - T_i (p_i - x + m) / 2).
+5. Over more than NEAR_AXES = 3 axes the cost that comes with coordinates is at most e times off those of the nodes
+   that they are from.
 
 **Where a sheet is believed.** Its support is 1 - |m| / REACH, by distance alone, times the share of its nodes in the
 weights of nodes and of places where the pattern was tried and has no motion, weighed in the same way. A cost alone does
@@ -48,6 +50,9 @@ DOUBT = 0.5  # of the spread of the nodes' promises: a cost is seldom further be
 # Over more axes than these nodes lie so far apart that their spread says little. None of 100 plans over four axes got
 # dearer without the rivals whose prediction is more than MOST_BELOW times the best cost.
 NEAR_AXES, MOST_BELOW = 3, 1.1
+# Of the logarithm of a start's cost, from its nodes'. Between nodes so far apart tangents promise thousands of times: a
+# start that divides by such a cost leads nowhere. By one ten times off it leads to the same motion.
+MOST_OFF = 1.0
 LARGEST_LOG = 200.0  # of a cost, so that it and its products with stored numbers are finite
 
 
@@ -166,7 +171,7 @@ class Atlas:
             slopes=list(nodes.slopes[near].T),
         )
         weights = own.agreed()
-        log = float(own.blended(weights)[0])
+        log = float(np.clip(own.blended(weights)[0], *self._not_far_off(own.logs[alike])))
         weights /= weights.sum()
         halfway = (offsets + weights @ offsets) / 2
         return self._prediction(chosen, log, weights @ (coordinates - _along(tangents, halfway)))
@@ -180,6 +185,7 @@ class Atlas:
         near, offsets, distances = nodes.around(place, count)
         offsets = np.where(distances[:, None] < REACH, offsets, 0.0)
         logs = nodes.logs[near] - (offsets * nodes.slopes[near]).sum(axis=1)
+        logs = [np.clip(log, *self._not_far_off(own)) for log, own in zip(logs, nodes.logs[near], strict=True)]
         moved = nodes.coordinates(near) - _along(nodes.tangents(near), offsets)
         return [self._prediction(chosen, float(log), one) for log, one in zip(logs, moved, strict=True)]
 
@@ -202,6 +208,11 @@ class Atlas:
                 doubted = np.maximum(doubted, costs / MOST_BELOW)
             least = np.where(support < TRIED, HARDLY * costs, doubted)
             return np.where(support < HARDLY_TRIED, np.inf, least)
+
+    def _not_far_off(self, logs: Array) -> tuple[float, float]:
+        """Least and largest logarithm of a start's cost, by rule 5, from its nodes'."""
+        off = MOST_OFF if len(self.axes) > NEAR_AXES else np.inf
+        return float(np.min(logs)) - off, float(np.max(logs)) + off
 
     def _prediction(self, sheet: Sheet, log: float, coordinates: Array) -> Prediction:
         cost = float(np.exp(np.clip(log, -LARGEST_LOG, LARGEST_LOG)))

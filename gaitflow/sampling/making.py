@@ -59,10 +59,11 @@ class MapInMaking:
         self._regrets: dict[Task, float] = {}  # of the pick at each task, before it was searched
         self.gaits: list[str] = []  # their keys, since the name of one depends on which others there are
         self.labelled: set[str] = set()
+        self.labels, self.costs = pd.DataFrame(), pd.DataFrame()  # of the known tasks, as `gaitflow.dataset.labels`
         self.scalars, self._motions, self.tell = scalars, motions, tell
         self._earlier: Atlas | None = None
         self._numbers: list[int] = []  # the gait of each full pattern of the growth
-        self._rows, self._costs = pd.DataFrame(), pd.DataFrame()
+        self._rows = pd.DataFrame()
         self.problem = transcribe(scenario)
         self._symmetry = map_symmetry(scenario)
         axes = {axis: values.values for axis, values in scenario.tasks.ranges.items()}
@@ -105,7 +106,8 @@ class MapInMaking:
         costs = gait_costs(self._rows, legs)
         competing = set(costs.loc[costs["excess"] <= nearly_best(len(self.growth.grid)), "gait_key"])
         self.gaits += sorted(competing - set(self.gaits))
-        labels = label_tasks(costs, self.known, tolerance, self.scenario.transcription.knots_per_phase)
+        self.costs = costs
+        self.labels = labels = label_tasks(costs, self.known, tolerance, self.scenario.transcription.knots_per_phase)
         keys = dict(zip(costs["gait"], costs["gait_key"], strict=True))
         self.labelled = {keys[name] for name in labels.loc[labels["status"] == "solved", "label"]}
         taken = [pattern.text for pattern in self.growth.solver.patterns]
@@ -124,7 +126,6 @@ class MapInMaking:
         self.growth.sow(self._motions(tasks))
         self.tell("gaits spread over the grid")
         self.growth.spread()
-        self._costs = costs
 
     def _gait_of(self, pattern: Pattern) -> str:
         return gait_of(pattern, self._symmetry).text
@@ -154,7 +155,7 @@ class MapInMaking:
 
     def settle(self) -> int:
         """Nodes where the pick is not the search's; at how many known tasks it still is another one."""
-        known = known_costs(self._costs, "gait_key", self.gaits, self.scenario.tasks.space.ranged)
+        known = known_costs(self.costs, "gait_key", self.gaits, self.scenario.tasks.space.ranged)
         with self.inside():
             return settle(self.growth, self._numbers, known, DEARER, self.tell)
 

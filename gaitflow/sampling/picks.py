@@ -58,20 +58,13 @@ class Picks:
         names = [making.gaits[pick] if pick >= 0 else "" for pick in picks.values()]
         return judge_picks(list(tasks), names, costs, lambda task: self._costs([task], [picks[task]])[0])
 
-    def judge_plans(self, tasks: Sequence[Task]) -> list[Verdict]:
+    def judge_plans(self, tasks: Sequence[Task], planning: Planning) -> list[Verdict]:
         """What plans come to at tasks that were searched."""
         if not tasks:
             return []
-        making = self._making
-        plans = [
-            ("", None) if plan is None else (making.gaits[plan.gait], plan.cost)
-            for plan in Planning(making).plans(tasks)
-        ]
+        gaits = self._making.gaits
+        plans = [("", None) if plan is None else (gaits[plan.gait], plan.cost) for plan in planning.plans(tasks)]
         return judge_plans(tasks, plans, self._searched(tasks))
-
-    def have_plans(self, tasks: Sequence[Task]) -> list[bool]:
-        """Whether there is a plan, at tasks that were not searched."""
-        return [plan is not None for plan in Planning(self._making).plans(tasks)]
 
     def suspects(self, tasks: Sequence[Task]) -> list[Suspect]:
         """Of tasks that were not searched those whose pick may be wrong."""

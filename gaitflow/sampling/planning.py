@@ -19,7 +19,7 @@ from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas
 from gaitflow.runtime.attempt import STARTS
-from gaitflow.runtime.plan import GREAT_SAVING, LEAST_SAVING, TOP
+from gaitflow.runtime.plan import GREAT_SAVING, LEAST_SAVING, TOP, likely
 from gaitflow.runtime.refine import limit_of
 from gaitflow.runtime.starts import starts_of
 from gaitflow.sampling.making import MapInMaking
@@ -31,6 +31,7 @@ Asked = tuple[Try, int]  # with the iterations that it may take
 Solves = Generator[Asked, float | None, "Planned | None"]  # asks for solves, hears their costs, ends with the plan
 Solved = Generator[Asked, float | None, float | None]  # asks for the solves of one sheet, ends with its cost
 Nominal = Callable[[Place], Array]  # the nominal start w [nw] at a place
+Chances = Callable[[Array], Array]  # at places [n, axes] the probability of each gait of the map to be the best [n, G]
 
 
 @dataclass(frozen=True)
@@ -42,10 +43,14 @@ class Planned:
 
 
 class Planning:
-    """Plans of a map in the making as it is now, from the atlas that would be published."""
+    """Plans of a map in the making as it is now, from the atlas that would be published.
 
-    def __init__(self, making: MapInMaking) -> None:
-        self._making = making
+    `chances` are those of the classifier that would be, whose columns are `making.gaits`; None over so few axes that
+    no plan asks for them.
+    """
+
+    def __init__(self, making: MapInMaking, chances: Chances | None = None) -> None:
+        self._making, self._chances = making, chances
         self._gaits = sorted(making.picked)
         self._atlas = making.built().of(self._gaits)
         self._sheets = making.growth.numbers_of(self._atlas)
@@ -54,7 +59,11 @@ class Planning:
     def plans(self, tasks: Sequence[Task]) -> list[Planned | None]:
         """The plan at each task, None where no gait has a motion."""
         places = [task.on(self._atlas.axes) for task in tasks]
-        asked = [solves(self._atlas, place, self._sheets, self._nominal) for place in places]
+        likeliest = self._likeliest(places)
+        asked = [
+            solves(self._atlas, place, self._sheets, self._nominal, gaits)
+            for place, gaits in zip(places, likeliest, strict=True)
+        ]
 
         def on_plans(done: int) -> None:
             self._making.tell(f"plan {done} of {len(tasks)}")
@@ -65,6 +74,13 @@ class Planning:
             self._from_other_starts(task) if plan is None else Planned(self._gaits[plan.gait], plan.cost * scale)
             for task, plan in zip(tasks, found, strict=True)
         ]
+
+    def _likeliest(self, places: Sequence[Place]) -> list[list[int]]:
+        """The gaits of the atlas that are tried at each place whatever they are predicted to cost."""
+        if self._chances is None or not places:
+            return [[] for _ in places]
+        of_gaits = self._chances(np.array(places))[:, self._gaits].tolist()
+        return [likely(dict(enumerate(row)), len(self._atlas.axes)) for row in of_gaits]
 
     def _nominal(self, place: Place) -> Array:
         scenario, layout = self._making.scenario, self._making.problem.layout
@@ -82,10 +98,12 @@ class Planning:
         return None
 
 
-def solves(atlas: Atlas, place: Place, patterns: Sequence[int], nominal: Nominal) -> Solves:
+def solves(
+    atlas: Atlas, place: Place, patterns: Sequence[int], nominal: Nominal, likeliest: Sequence[int] = ()
+) -> Solves:
     """The solves of a plan at a place: `refine_ranked` without its last resort. Costs are the problem's.
 
-    `patterns` are the numbers by which the atlas' sheets are solved.
+    `patterns` are the numbers by which the atlas' sheets are solved. Gaits of `likeliest` are tried at any rate.
     """
     asked = np.array(place)
     solved = partial(_solved, atlas, asked, patterns, nominal)
@@ -96,22 +114,29 @@ def solves(atlas: Atlas, place: Place, patterns: Sequence[int], nominal: Nominal
         tried.add(sheet)
         cost = yield from solved(sheet, STARTS)
         if cost is not None:
-            return (yield from _cheapest(atlas, Planned(atlas.sheets[sheet].gait, cost), tried, asked, solved))
+            first = Planned(atlas.sheets[sheet].gait, cost)
+            return (yield from _cheapest(atlas, first, tried, _firsts(atlas, candidates, likeliest), asked, solved))
     return None
 
 
 def _cheapest(
-    atlas: Atlas, first: Planned, tried: Set[int], asked: Array, solved: Callable[[int, int], Solved]
+    atlas: Atlas, first: Planned, tried: Set[int], sure: Set[int], asked: Array, solved: Callable[[int, int], Solved]
 ) -> Generator[Asked, float | None, Planned]:
-    """The plan that was found first, or another one that is cheaper, where one may be."""
+    """The plan that was found first, or a cheaper one: of a sheet that may be cheaper, or is one of `sure`."""
     best, least = first, atlas.least_costs(asked)
     for rival in np.argsort(least, kind="stable").tolist():
-        if rival not in tried and least[rival] < best.cost * (1 - LEAST_SAVING):
+        if rival not in tried and (rival in sure or least[rival] < best.cost * (1 - LEAST_SAVING)):
             most = 2 if least[rival] < best.cost * (1 - GREAT_SAVING) else 1
             cost = yield from solved(rival, most)
             if cost is not None and cost < best.cost * (1 - LEAST_SAVING):
                 best = Planned(atlas.sheets[rival].gait, cost)
     return best
+
+
+def _firsts(atlas: Atlas, candidates: Sequence[int], gaits: Sequence[int]) -> set[int]:
+    """The first sheet of each gait among the candidates."""
+    first = {atlas.sheets[sheet].gait: sheet for sheet in reversed(candidates)}
+    return {first[gait] for gait in gaits if gait in first}
 
 
 def _solved(atlas: Atlas, asked: Array, patterns: Sequence[int], nominal: Nominal, sheet: int, most: int) -> Solved:

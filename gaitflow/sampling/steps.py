@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -16,6 +17,7 @@ from gaitflow.core.task import Task
 from gaitflow.sampling.doubt import next_places
 from gaitflow.sampling.making import MapInMaking
 from gaitflow.sampling.picks import Picks, Suspect
+from gaitflow.sampling.planning import Planning
 from gaitflow.sampling.rehearsal import rehearse, where_missing
 from gaitflow.sampling.rounds import Kind, Round, task_at
 
@@ -28,10 +30,14 @@ MORE_SEEDS = 1000  # apart: seeds of the parts of a sampling, so that none repea
 
 
 class Steps:
-    """What comes next, from what the rounds so far came to."""
+    """What comes next, from what the rounds so far came to. `planning_of` is how the map in the making plans."""
 
-    def __init__(self, making: MapInMaking, seed: int) -> None:
+    def __init__(
+        self, making: MapInMaking, seed: int, planning_of: Callable[[MapInMaking], Planning] = Planning
+    ) -> None:
         self._making, self._picks, self._seed = making, Picks(making), seed
+        self._planning_of = planning_of
+        self._planning: Planning | None = None  # of the map whose certificate is tried
         sampling = making.scenario.tasks.adaptive
         assert sampling is not None
         self._sampling = sampling
@@ -74,6 +80,7 @@ class Steps:
         if kind == "doubt" and self._drawn:  # the map was not good enough: the certificate's tasks help to make it
             self._making.take(self._drawn, self._judged())
             self._drawn, self._verdicts, self._plans, self._since, self._look = [], [], [], 0, 0
+            self._planning = None
             self.certificate = None  # it is of the map before
         if kind == "certificate":
             self._certificates += 1
@@ -116,8 +123,9 @@ class Steps:
         self._drawn += one.tasks
         self._asked, self._look = self._asked + 1, self._look + 1
         if one.certificate is None:
-            self._plans += self._picks.judge_plans(self._drawn[len(self._plans) :])
-            self.certificate = certify(self._plans, self._judged(), self._further(), self._asked, self._seed)
+            self._planning = planning = self._planning or self._planning_of(making)
+            self._plans += self._picks.judge_plans(self._drawn[len(self._plans) :], planning)
+            self.certificate = certify(self._plans, self._judged(), self._further(planning), self._asked, self._seed)
         else:  # of a sampling that was stopped: what an asking came to stays, and is not planned again
             self.certificate = one.certificate
         self._tell_curve(one, self.certificate.dearer)
@@ -187,14 +195,15 @@ class Steps:
         self._verdicts += self._picks.judge(self._drawn[len(self._verdicts) :])
         return self._verdicts
 
-    def _further(self) -> list[bool]:
+    def _further(self, planning: Planning) -> list[bool]:
         """Whether there are plans at further fresh tasks: as many as the bound on tasks without one needs."""
         needed = tasks_needed(SPARE, self._sampling.infeasible, chances_of(self._asked)[1])
         number = max(needed - len(self._plans), 0)
         seed = (self._seed + 1) * MORE_SEEDS**3 + self._known + self._asked
         making = self._making
         making.tell(f"{number} further tasks planned")
-        return self._picks.have_plans(draw_tasks(making.domain, making.scenario.tasks.space, number, seed, "sampled"))
+        tasks = draw_tasks(making.domain, making.scenario.tasks.space, number, seed, "sampled")
+        return [plan is not None for plan in planning.plans(tasks)]
 
     def _tell_curve(self, one: Round, wrong: int) -> None:
         making, found = self._making, self.certificate if one.of_certificate else None

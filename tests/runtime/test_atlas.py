@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,18 @@ from sheets import AXES, STEPS, Values, atlas, grid, sheet, sheet_of
 from tiny_map import TinyMap
 
 from gaitflow.atlas.grow import Growth
-from gaitflow.runtime.atlas import DOUBT, HARDLY, HARDLY_TRIED, MOST_BELOW, SUPPORT, TRIED, Atlas, Sheet
+from gaitflow.runtime.atlas import (
+    DOUBT,
+    HARDLY,
+    HARDLY_TRIED,
+    MOST_BELOW,
+    MOST_OFF,
+    NEAR_AXES,
+    SUPPORT,
+    TRIED,
+    Atlas,
+    Sheet,
+)
 from gaitflow.runtime.nearby import REACH
 
 inner = st.tuples(st.floats(1.0, 3.0), st.floats(1.0, 3.0))
@@ -102,6 +114,42 @@ def test_one_node_answers_by_its_tangent_as_far_as_it_reaches() -> None:
     assert made.predict(0, np.array([2.0, 2.0 + REACH + 1e-6]) * STEPS) is None
     costs, support = made.costs(np.array([2.0, 2.0 + REACH + 1e-6]) * STEPS)
     assert np.isnan(costs[0]) and support[0] == 0
+
+
+def along_one_axis(axes: int, tasks: Sequence[float], slope: float) -> Sheet:
+    """A sheet over any number of axes; its cost's logarithm and its first coordinate are `slope` steps of the first."""
+    places = np.zeros((len(tasks), axes))
+    places[:, 0] = tasks
+    tangents = np.zeros((len(tasks), axes, 2))
+    tangents[:, 0, 0] = slope
+    coordinates = np.column_stack([places[:, 0] * slope, np.zeros(len(tasks))])
+    return sheet(places, np.exp(places[:, 0] * slope), tangents[:, :, 0], coordinates, tangents)
+
+
+def over(axes: int, one: Sheet) -> Atlas:
+    return Atlas(tuple(f"axis {n}" for n in range(axes)), np.ones(axes), 1e-4, (one,))
+
+
+@pytest.mark.parametrize("steep", [-8.0, 8.0])
+@pytest.mark.parametrize(("axes", "off"), [(NEAR_AXES, np.inf), (NEAR_AXES + 1, MOST_OFF)])
+def test_over_many_axes_a_start_s_cost_is_not_far_off_its_nodes(axes: int, off: float, steep: float) -> None:
+    one = along_one_axis(axes, [-1.0, 0.0], steep)
+    made, place = over(axes, one), np.eye(axes)[0]
+    found = made.predict(0, place)
+    assert found is not None
+    assert np.log(found.cost) == pytest.approx(np.clip(steep, min(-steep, 0) - off, max(-steep, 0) + off))
+    coordinate = (found.point - one.mean) @ np.linalg.pinv(one.modes.astype(float))[:, 0]
+    assert coordinate == pytest.approx(steep, rel=1e-4), "its point is where the tangents lead"
+    [nearest] = made.nearest(0, place, 1)
+    assert np.log(nearest.cost) == pytest.approx(np.clip(steep, -off, off))
+
+
+def test_over_many_axes_a_start_s_cost_is_not_led_off_by_nodes_across_a_tear() -> None:
+    one = along_one_axis(NEAR_AXES + 1, [-1.0, 0.0], 8.0)
+    coordinates = one.coordinates.copy()
+    coordinates[0] += 1000.0  # this node is another motion
+    found = over(NEAR_AXES + 1, replace(one, coordinates=coordinates)).predict(0, -0.4 * np.eye(NEAR_AXES + 1)[0])
+    assert found is not None and np.log(found.cost) == pytest.approx(-MOST_OFF)
 
 
 def test_nothing_is_blended_across_a_tear() -> None:

@@ -14,9 +14,9 @@ from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Trajectory
 from gaitflow.problem import GaitProblem
 from gaitflow.runtime import GaitMap, OutOfDomain, Plan, refine
-from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.atlas import NEAR_AXES, Atlas
 from gaitflow.runtime.attempt import Attempt, Candidate
-from gaitflow.runtime.plan import Asked, refine_ranked
+from gaitflow.runtime.plan import Asked, likely, refine_ranked
 
 TASK, VALUES = task_of(0.9, 0.6), {"speed": 0.9, "cycle_duration": 0.6}
 FAST = (2.05, 0.9)  # beyond what walking can do
@@ -254,11 +254,13 @@ class Scripted:
         fallback: list[tuple[float, str]],
         least: tuple[float, ...] = (np.inf, np.inf),
         costs: tuple[float, ...] = (10.0, 11.0),
+        axes: int = 2,
     ) -> None:
         start = gait_map.select(0.9, 0.6).warm_start
         self._fields = {field.name: getattr(start, field.name) for field in dataclasses.fields(Trajectory)}
         self._ends = {"fast": fast, "fallback": fallback}
         self._least, self._costs = least, costs
+        self.atlas = Atlas.empty([f"axis {n}" for n in range(axes)])
         self.calls: list[tuple[str, int]] = []
 
     @staticmethod
@@ -414,6 +416,33 @@ def test_of_gaits_that_are_not_tried_a_cheaper_one_is_looked_at(
     plan = refine_ranked(scripted, ranked, Asked(TASK, VALUES, True, 0.0, 0.0), top=1)
     assert (plan.gait, plan.path) == (gait, path)
     assert scripted.calls == calls
+
+
+@pytest.mark.parametrize(
+    ("axes", "gallop", "costs", "gait", "calls"),
+    [
+        (NEAR_AXES, Candidate(1, 2), (10.0, 9.9, 9.8), "walking", [FAST_0]),
+        # Of the likeliest gaits one pattern is looked at, and the plan's own gait is one of them.
+        (NEAR_AXES + 1, Candidate(1, 2), (10.0, 9.9, 9.8), "gallop", [FAST_0, ("look", 2)]),
+        (NEAR_AXES + 1, Candidate(1, 2), (10.0, 9.9, 10.1), "walking", [FAST_0, ("look", 2)]),
+        (NEAR_AXES + 1, Candidate(1, None), (10.0, 9.8, 9.8), "walking", [FAST_0]),
+    ],
+)
+def test_over_many_axes_the_likeliest_gaits_are_looked_at_in_any_case(
+    gait_map: GaitMap, axes: int, gallop: Candidate, costs: tuple, gait: str, calls: list[tuple[str, int]]
+) -> None:
+    first, second = gait_map.gaits
+    ranked = [(Candidate(0, 0), first, 0.2), (Candidate(0, 1), first, 0.2), (gallop, second, 0.8)]
+    scripted = Scripted(gait_map, [SOLVED] * 3, [LOST] * 3, (10.0, np.inf, np.inf), costs, axes)
+    plan = refine_ranked(scripted, ranked, Asked(TASK, VALUES, True, 0.0, 0.0))
+    assert plan.gait == gait and scripted.calls == calls
+
+
+def test_the_likeliest_gaits_are_few_and_in_their_order() -> None:
+    probabilities = {4: 0.1, 2: 0.4, 0: 0.4, 1: 0.1}
+    assert likely(probabilities, NEAR_AXES) == []
+    assert likely(probabilities, NEAR_AXES + 1) == [2, 0], "of equal ones the first"
+    assert likely({3: 1.0}, NEAR_AXES + 1) == [3]
 
 
 @pytest.mark.parametrize(

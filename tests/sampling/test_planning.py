@@ -48,10 +48,12 @@ class Solver:
         return [self.costs.get(pattern) for pattern, _, _ in requests]
 
 
-def planned(made: Atlas, place: tuple[float, float], costs: Mapping[int, float]) -> tuple[Planned | None, list[int]]:
+def planned(
+    made: Atlas, place: tuple[float, float], costs: Mapping[int, float], likeliest: Sequence[int] = ()
+) -> tuple[Planned | None, list[int]]:
     """The plan, and the patterns that were solved in their order."""
     solver = Solver(costs)
-    [plan] = together([solves(made, place, range(len(made.sheets)), unasked)], solver)
+    [plan] = together([solves(made, place, range(len(made.sheets)), unasked, likeliest)], solver)
     return plan, [pattern for batch in solver.batches for pattern in batch]
 
 
@@ -64,6 +66,23 @@ def test_what_may_cost_less_than_was_found_is_solved_too() -> None:
     made = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2), sheet_of(2, 1.6))
     assert planned(made, AMID, {0: 1.5, 1: 1.2, 2: 1.6}) == (Planned(1, 1.2), [0, 1])
     assert planned(made, AMID, {0: 1.5, 1: 1.5, 2: 1.6}) == (Planned(0, 1.5), [0, 1]), "of equal ones the first"
+
+
+@pytest.mark.parametrize(
+    ("likeliest", "costs", "plan", "solved"),
+    [
+        ([], {0: 1.0, 1: 0.9, 2: 0.8}, Planned(0, 1.0), [0]),
+        ([2, 0], {0: 1.0, 1: 0.9, 2: 0.8}, Planned(2, 0.8), [0, 2]),
+        ([2, 1], {0: 1.0, 1: 0.9, 2: 0.95}, Planned(1, 0.9), [0, 1, 2]),
+        ([3], {0: 1.0}, Planned(0, 1.0), [0]),  # not known there
+    ],
+)
+def test_the_likeliest_gaits_are_solved_too(
+    likeliest: list[int], costs: dict[int, float], plan: Planned, solved: list[int]
+) -> None:
+    far = GRID + 100.0
+    made = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2), sheet_of(2, 1.6), sheet_of(2, 1.7), sheet_of(3, 0.5, far))
+    assert planned(made, AMID, costs, likeliest) == (plan, solved)
 
 
 def test_a_half_believed_rival_is_solved_too() -> None:

@@ -18,6 +18,7 @@ from gaitflow.core.domain import Domain
 from gaitflow.core.task import Task
 from gaitflow.sampling import steps
 from gaitflow.sampling.picks import Suspect
+from gaitflow.sampling.planning import Planned, Planning
 from gaitflow.sampling.rounds import Kind, Round, task_at
 from gaitflow.sampling.steps import Steps
 
@@ -45,7 +46,9 @@ class Making:
     def judge(self, tasks: Sequence[Task]) -> list[Verdict]:
         return [Verdict(task, "trot", "trot", 0.1 * (number < self.wrong)) for number, task in enumerate(tasks)]
 
-    judge_plans = judge
+    def judge_plans(self, tasks: Sequence[Task], planning: Planning) -> list[Verdict]:
+        assert isinstance(planning, Plans)
+        return self.judge(tasks)
 
     def take(self, tasks: Sequence[Task], verdicts: Sequence[Verdict]) -> None:
         self.tasks += tasks
@@ -53,14 +56,23 @@ class Making:
     def fill(self) -> None:
         self.filled += 1
 
-    def have_plans(self, tasks: Sequence[Task]) -> list[bool]:
-        return [True] * len(tasks)
-
     def settle(self) -> int:
         return 0
 
     def costs_atlas(self) -> None:
         return None
+
+
+class Plans:
+    """A plan at each task; `made` for as many maps as were planned with."""
+
+    made = 0
+
+    def __init__(self, making: Making) -> None:
+        Plans.made += 1
+
+    def plans(self, tasks: Sequence[Task]) -> list[Planned | None]:
+        return [Planned(0, 1.0) for _ in tasks]
 
 
 @pytest.fixture
@@ -80,7 +92,7 @@ def tasks(making: Making, number: int) -> tuple[Task, ...]:
 
 def begun(making: Making, known: Sequence[Task] = ()) -> Steps:
     """Steps of a map whose start was searched, or that was begun from known tasks and the start."""
-    after = Steps(making, 0)  # type: ignore[arg-type]
+    after = Steps(making, 0, Plans)  # type: ignore[arg-type]
     if known:
         after.done(Round("known", tuple(known)))
     if after.next_kind(1000) == "start":
@@ -158,7 +170,7 @@ def test_small_rounds_that_are_never_quiet_are_not_repeated_for_ever(making: Mak
 
 
 def test_earlier_askings_count(making: Making) -> None:
-    after = Steps(making, 0)  # type: ignore[arg-type]
+    after = Steps(making, 0, Plans)  # type: ignore[arg-type]
     after.done(Round("known", tasks(making, 200), askings=3))
     after.done(Round("start", tuple(tasks_of(making.scenario))))
     assert after.next_kind(1000) == "certificate"
@@ -187,6 +199,16 @@ def test_two_dearer_picks_are_allowed_at_the_second_look(making: Making) -> None
     ask(after, making, "more", 0)
     assert after.certificate is not None and after.certificate.dearer_bound <= 0.02
     assert after.next_kind(1000) is None
+
+
+def test_a_map_plans_in_one_way_until_it_learns_more(making: Making) -> None:
+    after, before = begun(making, tasks(making, 100)), Plans.made
+    ask(after, making, "certificate", 2)
+    ask(after, making, "more", 10)
+    assert Plans.made == before + 1, "a classifier is trained once"
+    doubt(after, making, wrong=0)
+    ask(after, making, "certificate", 0)
+    assert Plans.made == before + 2
 
 
 def test_a_certificate_stays_where_too_few_searches_are_left_for_another(making: Making) -> None:

@@ -81,16 +81,23 @@ class AtlasView {
     const Vector asked = in_steps(place);
     std::vector<Near> near = within_reach(sheet, asked);
     if (near.empty()) return false;
+    double least = std::numeric_limits<double>::infinity(), most = -least;  // logarithms of the costs of alike nodes
     const std::size_t modes = sheet.mode_count;
     const Vector nearest = moved(sheet, near.front().node, offset(sheet, near.front().node, asked));
     for (Near& each : near) {
       const Vector own = moved(sheet, each.node, offset(sheet, each.node, asked));
       double apart = 0;
       for (std::size_t mode = 0; mode < modes; ++mode) apart += (own[mode] - nearest[mode]) * (own[mode] - nearest[mode]);
-      if (std::sqrt(apart) > sheet.tear) each.weight = 0;
+      if (std::sqrt(apart) > sheet.tear) {
+        each.weight = 0;
+        continue;
+      }
+      least = std::min(least, sheet.log_costs[each.node]);
+      most = std::max(most, sheet.log_costs[each.node]);
     }
     near = agreed(sheet, near, asked);
-    const double total = sum_of_weights(near), log = blended(sheet, near, asked);
+    const double total = sum_of_weights(near);
+    const double log = not_far_off(blended(sheet, near, asked), least, most);
     const Vector lean = mean_offset(sheet, near, asked, total);
     Vector along(modes, 0.0);
     for (const Near& each : near) {
@@ -112,8 +119,9 @@ class AtlasView {
     std::vector<Prediction> found;
     for (const Near& each : around(sheet, asked, count)) {
       const Vector away = each.distance < atlas_.reach ? offset(sheet, each.node, asked) : Vector(axes_, 0.0);
-      const double log = std::clamp(promise(sheet, each.node, away), -largest_log, largest_log);
-      found.push_back({point_at(sheet, moved(sheet, each.node, away)), std::exp(log)});
+      const double own = sheet.log_costs[each.node];
+      const double log = not_far_off(promise(sheet, each.node, away), own, own);
+      found.push_back({point_at(sheet, moved(sheet, each.node, away)), std::exp(std::clamp(log, -largest_log, largest_log))});
     }
     return found;
   }
@@ -142,6 +150,7 @@ class AtlasView {
 
  private:
   static constexpr double largest_log = 200.0;
+  static constexpr double most_off = 1.0;  // of a start's cost, in logarithms, from its nodes'
   static constexpr double hardly_tried = 0.1, hardly = 2.0, most_below = 1.1;
   // As in gaitflow/runtime/nearby.py.
   static constexpr double steep = 0.3, odd = 0.1;
@@ -151,6 +160,11 @@ class AtlasView {
     std::size_t node;
     double distance, weight;
   };
+
+  // The logarithm of a start's cost, over many axes not far off its nodes' `least` and `most`: rule 5.
+  double not_far_off(double log, double least, double most) const {
+    return axes_ > near_axes ? std::clamp(log, least - most_off, most + most_off) : log;
+  }
 
   Vector in_steps(const Vector& place) const {
     Vector asked(place);

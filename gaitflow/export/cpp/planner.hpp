@@ -69,7 +69,8 @@ class Planner {
     Indices gaits;  // in the order of their first candidates
     for (const Candidate& each : candidates)
       if (number(gaits, each.gait) == gaits.size()) gaits.push_back(each.gait);
-    const std::vector<Attempt> attempts = this->attempts(candidates, gaits, std::max<std::size_t>(top, 1), place);
+    const std::vector<const Candidate*> sure = likely(candidates, probabilities, place.size());
+    const std::vector<Attempt> attempts = this->attempts(candidates, gaits, sure, std::max<std::size_t>(top, 1), place);
     const Attempt& solved = *std::min_element(attempts.begin(), attempts.end(), earlier);
     const Attempt& least = *std::min_element(attempts.begin(), attempts.end(), cheaper);
     // Of gaits that tie, the one that `select` names.
@@ -94,12 +95,32 @@ class Planner {
  private:
   // Relative cost that another one must promise to save, and for which it is solved from a second start.
   static constexpr double least_saving = 1e-3, great_saving = 0.5;
+  static constexpr std::size_t likeliest = 2;  // gaits that are tried over many axes whatever they may cost
+
+  // The first candidate that the atlas knows of each of the likeliest gaits; of none over few axes.
+  static std::vector<const Candidate*> likely(const std::vector<Candidate>& candidates,
+                                              const std::vector<float>& probabilities, std::size_t axes) {
+    std::vector<const Candidate*> firsts;
+    if (axes <= AtlasView::near_axes) return firsts;
+    Indices gaits;
+    for (const Candidate& each : candidates)
+      if (number(gaits, each.gait) == gaits.size()) gaits.push_back(each.gait);
+    const auto likelier = [&](std::size_t one, std::size_t other) { return probabilities[one] > probabilities[other]; };
+    std::stable_sort(gaits.begin(), gaits.end(), likelier);
+    gaits.resize(std::min(gaits.size(), likeliest));
+    for (const std::size_t gait : gaits) {
+      const auto known = [&](const Candidate& each) { return each.gait == gait && each.sheet; };
+      const auto first = std::find_if(candidates.begin(), candidates.end(), known);
+      if (first != candidates.end()) firsts.push_back(&*first);
+    }
+    return firsts;
+  }
 
   // The candidates of the first `top` gaits in order until one is refined; then each one left that may cost less than
-  // the cheapest so far, the most promising first: before a cliff of the cost and across its kinks predictions are far
-  // off.
-  std::vector<Attempt> attempts(const std::vector<Candidate>& candidates, const Indices& gaits, std::size_t top,
-                                const Vector& place) {
+  // the cheapest so far, and the `sure` ones, the most promising first: before a cliff of the cost and across its kinks
+  // predictions are far off.
+  std::vector<Attempt> attempts(const std::vector<Candidate>& candidates, const Indices& gaits,
+                                const std::vector<const Candidate*>& sure, std::size_t top, const Vector& place) {
     std::vector<Attempt> done;
     std::vector<const Candidate*> left;
     for (const Candidate& each : candidates) {
@@ -115,7 +136,8 @@ class Planner {
     std::stable_sort(rivals.begin(), rivals.end(), [](const auto& one, const auto& other) { return one.first < other.first; });
     double cost = done.back().cost;
     for (const auto& [least, rival] : rivals) {
-      if (!(least < cost * (1 - least_saving))) continue;
+      const bool is_sure = std::find(sure.begin(), sure.end(), rival) != sure.end();
+      if (!is_sure && !(least < cost * (1 - least_saving))) continue;
       done.push_back(refiner_.fast(*rival, place, least < cost * (1 - great_saving) ? 2 : 1));
       if (done.back().refined()) cost = std::min(cost, done.back().cost);
     }
