@@ -90,8 +90,8 @@ def test_the_example_plans_as_python_does(
     assert which == "exported" or any(path != "fast" for path in paths), paths
 
 
-def test_over_many_axes_it_starts_where_python_does(wide_export: Exported, tmp_path: Path) -> None:
-    """From the nominal start: the atlas' points are random numbers."""
+def test_over_many_axes_it_starts_and_tries_what_python_does(wide_export: Exported, tmp_path: Path) -> None:
+    """From the nominal start, as the atlas' points are random numbers; and both gaits, as they are the likeliest."""
     gait_map = GaitMap.load(wide_export.model)
     tasks = tasks_of(gait_map, 30)
     answers = planned(built(wide_export.folder, tmp_path, "plan"), wide_export, tasks)
@@ -100,6 +100,8 @@ def test_over_many_axes_it_starts_where_python_does(wide_export: Exported, tmp_p
         assert (answer["gait"], answer["pattern"], answer["path"]) == (plan.gait, plan.pattern, plan.path), task
         assert plan.path != "fallback" and answer["refined"]
         assert answer["cost"] == pytest.approx(plan.cost, rel=1e-6)
+        assert len({gait for gait, _ in plan.tried}) == 2
+        assert answer["iterations"] == pytest.approx(plan.iterations, abs=2)
 
 
 def test_what_the_atlas_does_not_know_is_planned_from_the_mean(
