@@ -53,6 +53,7 @@ class Steps:
         self._look = 0  # at it, the next one
         self._verdicts: list[Verdict] = []  # of its picks, and of its plans, as far as they were judged
         self._plans: list[Verdict] = []
+        self._have_plans: list[bool] = []  # at the certificate's further tasks
         self.certificate: Certificate | None = None  # of the map as it is
         self.missed = 0
         self.curve: list[dict[str, Any]] = []
@@ -80,7 +81,7 @@ class Steps:
         if kind == "doubt" and self._drawn:  # the map was not good enough: the certificate's tasks help to make it
             self._making.take(self._drawn, self._judged())
             self._drawn, self._verdicts, self._plans, self._since, self._look = [], [], [], 0, 0
-            self._planning = None
+            self._planning, self._have_plans = None, []
             self.certificate = None  # it is of the map before
         if kind == "certificate":
             self._certificates += 1
@@ -198,12 +199,13 @@ class Steps:
     def _further(self, planning: Planning) -> list[bool]:
         """Whether there are plans at further fresh tasks: as many as the bound on tasks without one needs."""
         needed = tasks_needed(SPARE, self._sampling.infeasible, chances_of(self._asked)[1])
-        number = max(needed - len(self._plans), 0)
-        seed = (self._seed + 1) * MORE_SEEDS**3 + self._known + self._asked
-        making = self._making
+        making, known = self._making, len(self._have_plans)
+        number = max(needed - len(self._plans) - known, 0)
+        seed = (self._seed + 1) * MORE_SEEDS**3 + self._known + self._certificates
         making.tell(f"{number} further tasks planned")
-        tasks = draw_tasks(making.domain, making.scenario.tasks.space, number, seed, "sampled")
-        return [plan is not None for plan in planning.plans(tasks)]
+        tasks = draw_tasks(making.domain, making.scenario.tasks.space, number, seed, "sampled", skip=known)
+        self._have_plans += [plan is not None for plan in planning.plans(tasks)]
+        return self._have_plans
 
     def _tell_curve(self, one: Round, wrong: int) -> None:
         making, found = self._making, self.certificate if one.of_certificate else None

@@ -40,6 +40,7 @@ class Making:
         self.told: list[str] = []
         self.tell = self.told.append
         self.wrong = self.filled = 0
+        self.planned: list[Task] = []  # further ones
         self.growth = SimpleNamespace(is_wide=False, grid=tuple(axes.values()))
         self.picked, self.places, self.regrets = {0}, np.array([[0.5, 0.6]]), np.zeros(1)
 
@@ -70,8 +71,10 @@ class Plans:
 
     def __init__(self, making: Making) -> None:
         Plans.made += 1
+        self.making, making.planned = making, []
 
     def plans(self, tasks: Sequence[Task]) -> list[Planned | None]:
+        self.making.planned += tasks
         return [Planned(0, 1.0) for _ in tasks]
 
 
@@ -209,6 +212,16 @@ def test_a_map_plans_in_one_way_until_it_learns_more(making: Making) -> None:
     doubt(after, making, wrong=0)
     ask(after, making, "certificate", 0)
     assert Plans.made == before + 2
+
+
+def test_a_further_look_plans_what_the_ones_before_did_not(making: Making) -> None:
+    after = begun(making, tasks(making, 100))
+    searched = ask(after, making, "certificate", 2)
+    assert after.certificate is not None and len(making.planned) == after.certificate.planned - searched
+    first = list(making.planned)
+    searched += ask(after, making, "more", 10)
+    assert after.certificate.planned == searched + len(making.planned)
+    assert making.planned[: len(first)] == first and len(set(making.planned)) == len(making.planned)
 
 
 def test_a_certificate_stays_where_too_few_searches_are_left_for_another(making: Making) -> None:
