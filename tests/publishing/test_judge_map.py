@@ -55,14 +55,17 @@ def test_a_certificate_of_another_problem_is_disregarded(checkout: Path) -> None
 def test_of_the_published_maps_three_are_beyond_the_usual_limits(checkout: Path) -> None:
     """Three of eight picks of the first were never solved at their tasks; the second is a first try over four axes.
 
-    One pick of the third costs 7.4 times as much as the best gait: nine tenths of its mean regret.
+    One pick of the third costs 7.4 times as much as the best gait: nine tenths of its mean regret. What the newest one
+    over four axes picks is off by 4 %; what it plans is not.
     """
     found = {}
     for path in (checkout / "models").glob("*/*/manifest.json"):
         if faults := faults_of_map(Limits(), json.loads(path.read_text())["metrics"], None):
             found[f"{path.parent.parent.name} {path.parent.name}"] = faults
-    assert set(found) == {"go1-flat-vibration 1.2.0", "anymal-omni 0.1.0", "anymal-slopes 0.2.0"}
+    omni = {"anymal-omni 0.1.0", "anymal-omni 0.3.0"}
+    assert set(found) == {"go1-flat-vibration 1.2.0", *omni, "anymal-slopes 0.2.0"}
     assert "is 0.375" in found["go1-flat-vibration 1.2.0"][0] and "is 0.0456" in found["anymal-omni 0.1.0"][0]
+    assert "is 0.04," in found["anymal-omni 0.3.0"][0]
     assert "is 0.0288" in found["anymal-slopes 0.2.0"][0]
 
 
