@@ -115,7 +115,8 @@ def solves(
         cost = yield from solved(sheet, STARTS)
         if cost is not None:
             first = Planned(atlas.sheets[sheet].gait, cost)
-            return (yield from _cheapest(atlas, first, tried, _firsts(atlas, candidates, likeliest), asked, solved))
+            sure = {each for each in atlas.ranked(asked) if atlas.sheets[each].gait in likeliest}
+            return (yield from _cheapest(atlas, first, tried, sure, asked, solved))
     return None
 
 
@@ -131,12 +132,6 @@ def _cheapest(
             if cost is not None and cost < best.cost * (1 - LEAST_SAVING):
                 best = Planned(atlas.sheets[rival].gait, cost)
     return best
-
-
-def _firsts(atlas: Atlas, candidates: Sequence[int], gaits: Sequence[int]) -> set[int]:
-    """The first sheet of each gait among the candidates."""
-    first = {atlas.sheets[sheet].gait: sheet for sheet in reversed(candidates)}
-    return {first[gait] for gait in gaits if gait in first}
 
 
 def _solved(atlas: Atlas, asked: Array, patterns: Sequence[int], nominal: Nominal, sheet: int, most: int) -> Solved:

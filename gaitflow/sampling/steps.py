@@ -32,9 +32,7 @@ MORE_SEEDS = 1000  # apart: seeds of the parts of a sampling, so that none repea
 class Steps:
     """What comes next, from what the rounds so far came to. `planning_of` is how the map in the making plans."""
 
-    def __init__(
-        self, making: MapInMaking, seed: int, planning_of: Callable[[MapInMaking], Planning] = Planning
-    ) -> None:
+    def __init__(self, making: MapInMaking, seed: int, planning_of: Callable[[MapInMaking], Planning]) -> None:
         self._making, self._picks, self._seed = making, Picks(making), seed
         self._planning_of = planning_of
         self._planning: Planning | None = None  # of the map whose certificate is tried

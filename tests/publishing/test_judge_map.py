@@ -52,7 +52,7 @@ def test_a_certificate_of_another_problem_is_disregarded(checkout: Path) -> None
     assert "of an unnamed problem" in (disregarded(own | certificate(0.3), scenario.problem_digest) or "")
 
 
-def test_of_the_published_maps_three_are_beyond_the_usual_limits(checkout: Path) -> None:
+def test_of_the_published_maps_four_are_beyond_the_usual_limits(checkout: Path) -> None:
     """Three of eight picks of the first were never solved at their tasks; the second is a first try over four axes.
 
     One pick of the third costs 7.4 times as much as the best gait: nine tenths of its mean regret. What the newest one

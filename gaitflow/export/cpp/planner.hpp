@@ -69,7 +69,7 @@ class Planner {
     Indices gaits;  // in the order of their first candidates
     for (const Candidate& each : candidates)
       if (number(gaits, each.gait) == gaits.size()) gaits.push_back(each.gait);
-    const std::vector<const Candidate*> sure = likely(candidates, probabilities, place.size());
+    const std::vector<const Candidate*> sure = likely(candidates, gaits, probabilities, place.size());
     const std::vector<Attempt> attempts = this->attempts(candidates, gaits, sure, std::max<std::size_t>(top, 1), place);
     const Attempt& solved = *std::min_element(attempts.begin(), attempts.end(), earlier);
     const Attempt& least = *std::min_element(attempts.begin(), attempts.end(), cheaper);
@@ -98,13 +98,10 @@ class Planner {
   static constexpr std::size_t likeliest = 2;  // gaits that are tried over many axes whatever they may cost
 
   // The first candidate that the atlas knows of each of the likeliest gaits; of none over few axes.
-  static std::vector<const Candidate*> likely(const std::vector<Candidate>& candidates,
+  static std::vector<const Candidate*> likely(const std::vector<Candidate>& candidates, Indices gaits,
                                               const std::vector<float>& probabilities, std::size_t axes) {
     std::vector<const Candidate*> firsts;
     if (axes <= AtlasView::near_axes) return firsts;
-    Indices gaits;
-    for (const Candidate& each : candidates)
-      if (number(gaits, each.gait) == gaits.size()) gaits.push_back(each.gait);
     const auto likelier = [&](std::size_t one, std::size_t other) { return probabilities[one] > probabilities[other]; };
     std::stable_sort(gaits.begin(), gaits.end(), likelier);
     gaits.resize(std::min(gaits.size(), likeliest));
