@@ -37,9 +37,9 @@ def show(
 ) -> None:
     """List the gaits of a task by cost, or draw a motion.
 
-    FOLDER is a published map or dataset (the folder of a version, or its parent) or a run. A map plans the task; of a
-    dataset or a run the nearest stored task is taken. With --output or --strip a motion is drawn, without them the
-    gaits are listed.
+    FOLDER is a published map or dataset (the folder of a version, or its parent) or a run. A map plans the task, and
+    lists its gaits in the order in which it takes them; of a dataset or a run the nearest stored task is taken. With
+    --output or --strip a motion is drawn, without them the gaits are listed.
 
     \b
     Example: gaitflow show datasets/quickstart/1.0.0 --speed 0.9 --cycle 0.6 --output motion.html --strip motion.png
@@ -78,7 +78,7 @@ def show(
     columns = shown.scenario.tasks.space.columns
     if as_json:
         return print_json(_as_data(dict(zip(columns, shown.task.on(columns), strict=True)), ranked, files))
-    asked = ", ".join(f"{value:g}" for value in axes.values())
+    asked = ", ".join(f"{axes[name]:g}" for name in columns if name in axes)
     click.echo(f"{shown.title}: {shown.task.text(columns)} (asked: {asked})")
     for one in ranked:
         click.echo(f"{one.rank:4d}  cost {one.cost:<12.6g} {'' if one.has_motion else '(no motion stored) '}{one.gait}")

@@ -17,9 +17,10 @@ from gaitflow.search.solution import Solution
 
 
 def of_map(folder: Path, values: Mapping[str, float], gait: str | None = None) -> Shown:
-    """The gaits of a map at a task by predicted cost, each with the motion that `GaitMap.plan` makes of it.
+    """The gaits of a map at a task with their predicted costs, each with the motion that `GaitMap.plan` makes of it.
 
-    The first one shown is the gait that `plan` takes, which need not be the one that is predicted to cost least.
+    They are in the order in which the map takes them. The first one shown is the gait that `plan` takes, which need not
+    be the first of these.
 
     A cycle duration that is left out is the map's choice, for `gait` when that is given. Raises ValueError for a task
     that the map cannot be asked for or does not answer, ArtifactError when it cannot be read or does not plan.
@@ -34,7 +35,7 @@ def of_map(folder: Path, values: Mapping[str, float], gait: str | None = None) -
     task = manifest.space.task({axis: choice.task[axis] for axis in gait_map.axes})
     if not choice.in_domain:
         raise ValueError(manifest.domain.explain(task))
-    known = sorted(known_gaits(artifact, choice.task), key=lambda one: one.cost)
+    known = known_gaits(artifact, choice.task)
     ranked = tuple(Ranked(n, one.gait, one.pattern, one.cost, True, -1) for n, one in enumerate(known, start=1))
     scenario = Scenario.from_data(dict(manifest.scenario), f"{manifest.name} {manifest.version}")
 

@@ -19,7 +19,10 @@ from gaitflow.search.solution import Solution
 
 @dataclass(frozen=True)
 class Ranked:
-    """A gait of a task; rank 1 costs least. `row` is its cheapest solution's place in the dataset, -1 outside one."""
+    """A gait of a task; rank 1 costs least, or is what a map takes first.
+
+    `row` is its cheapest solution's place in the dataset, -1 outside one.
+    """
 
     rank: int
     gait: str
@@ -31,7 +34,7 @@ class Ranked:
 
 @dataclass(frozen=True)
 class Shown:
-    """A task, its gaits by cost, and how the motion of one of them is had; `title` says what the task is.
+    """A task, its gaits by rank, and how the motion of one of them is had; `title` says what the task is.
 
     `first` is the gait whose motion is shown unless another one is asked for.
     """
