@@ -26,7 +26,7 @@ from gaitflow.runtime.sheet_image import imaged, signs_of
 
 LARGEST = {2: 2_700_000, 3: 6_500_000}  # bytes of an atlas of two axes, in the plane and in space
 FURTHER_AXIS = 3.9  # times as many, for each axis beyond two,
-MOST_BYTES = 17_000_000  # up to here, whatever the axes: with all its other files a map has 20 MB at the most
+MOST_BYTES = 16_000_000  # up to here, whatever the axes: with warm starts of 60 gaits a map has 20 MB at the most
 MOST_MODES = 128  # of a pattern
 MANY_ROWS = 1000  # of nodes and tangents; an exact decomposition of more takes minutes in space
 PASSES = 3  # over all rows, until their leading directions are found
