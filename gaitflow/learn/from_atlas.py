@@ -40,12 +40,13 @@ def atlas_labels(atlas: Atlas, domain: Domain, tie_tolerance: float, most: int =
 
 
 def picks(atlas: Atlas, places: Floats, probabilities: Floats) -> Integers:
-    """The order [n, C] in which a map picks gaits at places [n, a]: what the atlas knows by cost, the rest likeliest
-    first by the classifier's probabilities [n, C], whose gaits are the atlas' own.
+    """The order [n, C] in which a map picks gaits at places [n, a]: what the atlas knows by `Atlas.by_cost`, the rest
+    likeliest first by the classifier's probabilities [n, C], whose gaits are the atlas' own.
     """
     order = []
-    for place, row in zip(places, np.argsort(-probabilities, axis=1, kind="stable").tolist(), strict=True):
-        known = [atlas.sheets[sheet].gait for sheet in atlas.ranked(np.asarray(place, dtype=float))]
+    likeliest = np.argsort(-probabilities, axis=1, kind="stable").tolist()
+    for place, row, chances in zip(places, likeliest, probabilities.tolist(), strict=True):
+        known = [atlas.sheets[sheet].gait for sheet in atlas.ranked(np.asarray(place, dtype=float), chances)]
         order.append(known + [gait for gait in row if gait not in known])
     return np.array(order, dtype=np.int64).reshape(probabilities.shape)
 

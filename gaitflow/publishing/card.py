@@ -88,8 +88,9 @@ def _gaits(manifest: Manifest) -> str:
 def _quality(manifest: Manifest) -> str:
     """A row a method and a kind of tasks when the metrics have them; else the plain numbers."""
     head = (
-        "## Quality\n\nWhat the map picks is the gait that its atlas predicts to cost least. The classifier, a "
-        f"`{manifest.classifier_kind}`, tells probabilities, and picks where the atlas knows nothing."
+        "## Quality\n\nWhat the map picks is the gait that its atlas predicts to cost least, over more than three axes "
+        f"least over its probability. The classifier, a `{manifest.classifier_kind}`, tells probabilities, and picks "
+        "where the atlas knows nothing."
     )
     judged = [
         (f"{row['method']}, {kind.replace('_', ' ')}", row[kind])

@@ -23,6 +23,10 @@ task.
 weights of nodes and of places where the pattern was tried and has no motion, weighed in the same way. A cost alone does
 not tell where a gait ends: up to a limit of the robot it hardly changes, and one step further there is no motion.
 
+**Which gait comes first.** The one of least cost, of those that are believed. Over more than NEAR_AXES axes nodes are
+too far apart to tell gaits by their costs alone: there a cost counts over the classifier's probability of the gait, and
+half of the support will do.
+
 With one node, 4 is its first-order prediction. Amid several it follows each tangent half of the way, which is nearly
 right to second order (m is small there), where whole tangents are only to first: they all err to the same side of a
 bent curve.
@@ -30,7 +34,7 @@ bent curve.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -53,7 +57,10 @@ NEAR_AXES, MOST_BELOW = 3, 1.1
 # Of the logarithm of a start's cost, from its nodes'. Between nodes so far apart tangents promise thousands of times: a
 # start that divides by such a cost leads nowhere. By one ten times off it leads to the same motion.
 MOST_OFF = 1.0
+LEAST_CHANCE = 1e-6  # of a gait: those that the classifier rules out are still ordered by cost
 LARGEST_LOG = 200.0  # of a cost, so that it and its products with stored numbers are finite
+
+ChancesAt = Callable[[Array], Sequence[float]]  # at a place [a] the probability of each gait to be the best
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +116,11 @@ class Atlas:
         """An atlas that knows nothing."""
         return cls(tuple(axes), np.ones(len(axes)), 1e-4, ())
 
+    @property
+    def is_wide(self) -> bool:
+        """Whether it ranges over more than NEAR_AXES axes."""
+        return len(self.axes) > NEAR_AXES
+
     def of(self, gaits: Sequence[int]) -> Atlas:
         """The sheets of some of the gaits, which become numbers 0, 1, ... in the order of `gaits`."""
         number = {gait: new for new, gait in enumerate(gaits)}
@@ -134,20 +146,34 @@ class Atlas:
             without = self._every_infeasible.weights_near(asked)
             return costs, np.where(total > 0, (1 - np.sqrt(lean) / REACH) * total / (total + without), 0.0)
 
-    def by_cost(self, place: Array) -> list[int]:
+    def preferred(
+        self, costs: Array, support: Array, chances: Sequence[float] | None
+    ) -> tuple[Array, NDArray[np.bool]]:
+        """What sheets of such costs are chosen by, the less the better, and whether it is believed.
+
+        That is the cost, believed from a support of SUPPORT on. Over more than NEAR_AXES axes, where `chances` are
+        known, the probability of each gait to be the best, it is the cost over the gait's, believed from TRIED on.
+        """
+        if chances is None or not self.is_wide:
+            return costs, support >= SUPPORT
+        of_sheets = np.array([chances[sheet.gait] for sheet in self.sheets], dtype=float)
+        return costs / np.maximum(of_sheets, LEAST_CHANCE), support >= TRIED
+
+    def by_cost(self, place: Array, chances: Sequence[float] | None = None) -> list[int]:
         """The sheets with a node within reach of a place; of equal ones the first.
 
-        First those whose cost is believed (support of SUPPORT or more), cheapest first. Then the others, by support in
+        First those that are believed, in the order that they are `preferred`. Then the others, by support in
         hundredths: where a gait lacks nodes it costs more than it seems, or has no motion.
         """
         costs, support = self.costs(place)
-        doubted = np.where(support < SUPPORT, 1 - np.floor(100 * support) / 100, 0.0)
-        return [sheet for sheet in np.lexsort((costs, doubted)).tolist() if support[sheet] > 0]
+        by, believed = self.preferred(costs, support, chances)
+        doubted = np.where(believed, 0.0, 1 - np.floor(100 * support) / 100)
+        return [sheet for sheet in np.lexsort((by, doubted)).tolist() if support[sheet] > 0]
 
-    def ranked(self, place: Array) -> list[int]:
+    def ranked(self, place: Array, chances: Sequence[float] | None = None) -> list[int]:
         """The first sheet of each gait, in the order of `by_cost`."""
         best: dict[int, int] = {}
-        for sheet in self.by_cost(place):
+        for sheet in self.by_cost(place, chances):
             best.setdefault(self.sheets[sheet].gait, sheet)
         return list(best.values())
 
@@ -204,14 +230,14 @@ class Atlas:
             mean = np.bincount(near.owner, near.weights * near.promises, count) / total
             squares = np.bincount(near.owner, near.weights * (near.promises - mean[near.owner]) ** 2, count)
             doubted = costs * np.exp(-DOUBT * np.sqrt(squares / total))
-            if len(self.axes) > NEAR_AXES:
+            if self.is_wide:
                 doubted = np.maximum(doubted, costs / MOST_BELOW)
             least = np.where(support < TRIED, HARDLY * costs, doubted)
             return np.where(support < HARDLY_TRIED, np.inf, least)
 
     def _not_far_off(self, logs: Array) -> tuple[float, float]:
         """Least and largest logarithm of a start's cost, by rule 5, from its nodes'."""
-        off = MOST_OFF if len(self.axes) > NEAR_AXES else np.inf
+        off = MOST_OFF if self.is_wide else np.inf
         return float(np.min(logs)) - off, float(np.max(logs)) + off
 
     def _prediction(self, sheet: Sheet, log: float, coordinates: Array) -> Prediction:

@@ -16,10 +16,11 @@ from gaitflow.runtime.tensors import WarmStart
 class Choice:
     """The gait for one task: `task` has speed [m/s], cycle_duration [s] and the map's other ranged axes.
 
-    `gait` is the name of the gait that the atlas predicts to cost least; where the atlas knows none, it is the
-    classifier's likeliest. `pattern` has its contacts: a row of digits a leg, 0 swing and 1 stance, joined by "/".
-    `probability` is the classifier's for this gait, calibrated. `ranked` has all gaits with their probabilities, in the
-    order in which `plan` tries them: by predicted cost, then those that the atlas does not know there by probability.
+    `gait` is the name of the gait that the atlas predicts to cost least, over more than three axes least over its
+    probability; where the atlas knows none, it is the classifier's likeliest. `pattern` has its contacts: a row of
+    digits a leg, 0 swing and 1 stance, joined by "/". `probability` is the classifier's for this gait, calibrated.
+    `ranked` has all gaits with their probabilities, in the order in which `plan` tries them: by that cost, then those
+    that the atlas does not know there by probability.
     `chosen` describes the value that was left to the map, and is None when all were given.
 
     Outside the map's domain `in_domain` is False. Then `gait` and `pattern` are None, `probability` is 0 and `ranked`

@@ -96,8 +96,9 @@ class GaitMap:
     ) -> Choice:
         """The gait for one task: the one that the atlas predicts to cost least, which `plan` tries first.
 
-        Where the atlas knows no gait, it is the classifier's likeliest. Outside the map's domain there is no gait,
-        unless `beyond` asks for a guess.
+        Over more than three axes it is the gait whose cost over its probability, the classifier's, is least. Where the
+        atlas knows no gait, it is the classifier's likeliest. Outside the map's domain there is no gait, unless
+        `beyond` asks for a guess.
 
         The gait of the `previous` choice is kept as long as it is predicted to cost at most `margin` (relative) more
         than the cheapest one, at this task or at one a tenth of a step of the map's grid away.
@@ -120,7 +121,7 @@ class GaitMap:
         place = self._place(task)
         probabilities = self._probabilities(place)
         candidates = self._candidates(place, probabilities)
-        if keep not in (None, candidates[0].gait) and is_kept(self._artifact.atlas, domain.steps, place, keep, margin):
+        if keep not in (None, candidates[0].gait) and self._is_kept(place, keep, margin):
             candidates.sort(key=lambda each: each.gait != keep)
         first = candidates[0]
         gaits = dict.fromkeys(each.gait for each in candidates)
@@ -263,7 +264,9 @@ class GaitMap:
         return task, chosen
 
     def _chooser(self, axis: str, per: Per) -> Chooser:
-        return Chooser(self._artifact.atlas, self.manifest.domain, self.manifest.cost_scale, axis, per)
+        return Chooser(
+            self._artifact.atlas, self.manifest.domain, self._probabilities, self.manifest.cost_scale, axis, per
+        )
 
     def _kept(self, previous: object) -> int | None:
         """The number of a previous choice's gait, None where it had none."""
@@ -272,6 +275,10 @@ class GaitMap:
         if not isinstance(previous, Choice):
             raise ValueError(f"previous = {previous!r}: must be a choice, what `select` gave before")
         return None if previous.gait is None else self._index(previous.gait)
+
+    def _is_kept(self, place: Array, gait: int, margin: float) -> bool:
+        steps = self.manifest.domain.steps
+        return is_kept(self._artifact.atlas, self._probabilities, steps, place, gait, margin)
 
     def _place(self, task: Mapping[str, float]) -> Array:
         return np.array([task[axis] for axis in self.axes])
@@ -284,18 +291,18 @@ class GaitMap:
     def _candidates(self, place: Array, probabilities: list[float]) -> list[Candidate]:
         """Every gait, with each of its patterns that the atlas knows here, in the order of choosing and trying.
 
-        First what the atlas knows, by predicted cost, where predictions that it trusts come first; then the other gaits
-        by probability.
+        First what the atlas knows, by `Atlas.by_cost`; then the other gaits by probability.
         """
         atlas = self._artifact.atlas
-        known = [Candidate(atlas.sheets[sheet].gait, sheet) for sheet in atlas.by_cost(place)]
+        known = [Candidate(atlas.sheets[sheet].gait, sheet) for sheet in atlas.by_cost(place, probabilities)]
         gaits = {each.gait for each in known}
         likeliest = sorted(range(len(probabilities)), key=probabilities.__getitem__, reverse=True)
         return known + [Candidate(gait, None) for gait in likeliest if gait not in gaits]
 
     def _warm_start(self, gait: str, task: Mapping[str, float]) -> WarmStart:
         index, atlas, place = self._names.index(gait), self._artifact.atlas, self._place(task)
-        own = [sheet for sheet in atlas.ranked(place) if atlas.sheets[sheet].gait == index]
+        ranked = atlas.ranked(place, self._probabilities(place))
+        own = [sheet for sheet in ranked if atlas.sheets[sheet].gait == index]
         predicted = atlas.predict(own[0], place) if own else None
         if predicted is None:
             return self.mean_start(gait, task["cycle_duration"])

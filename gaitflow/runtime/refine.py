@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from functools import partial
 
 from gaitflow.core.task import Task
-from gaitflow.runtime.atlas import NEAR_AXES, Atlas
+from gaitflow.runtime.atlas import Atlas
 from gaitflow.runtime.attempt import FALLBACK, FAST, NOT_CONVERGED, STARTS, Attempt, Candidate, GaitRefiner, Run
 from gaitflow.runtime.manifest import Manifest
 from gaitflow.runtime.problem import Problem
@@ -31,7 +31,7 @@ LEAST_COST = 1e-9
 
 def limit_of(atlas: Atlas, most: int) -> int:
     """The iterations of each of at most `most` tries of a candidate; the nominal start leads to a motion in the end."""
-    return RIVAL_LIMIT if most == 1 and len(atlas.axes) <= NEAR_AXES else LIMIT
+    return RIVAL_LIMIT if most == 1 and not atlas.is_wide else LIMIT
 
 
 class Refiner(GaitRefiner):

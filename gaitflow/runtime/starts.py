@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from gaitflow.core.trajectory import Array
-from gaitflow.runtime.atlas import NEAR_AXES, Atlas
+from gaitflow.runtime.atlas import Atlas
 from gaitflow.solvers.point import GaitSpace, Point
 
 # Barriers of the starts, by what they are of. Far starts take a higher one. Of 400 near solves the first start, with
@@ -43,7 +43,7 @@ def starts_of(atlas: Atlas, sheet: int, place: Array, nominal: Nominal) -> Itera
     """
     space = atlas.sheets[sheet].space
     predicted = atlas.predict(sheet, place)
-    if len(atlas.axes) > NEAR_AXES:
+    if atlas.is_wide:
         known = predicted or atlas.nearest(sheet, place, 1)[0]
         yield Start(_primal(space, nominal()[space.free]), known.cost, NOMINAL_BARRIER, careful=True)
     if predicted is not None:

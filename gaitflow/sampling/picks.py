@@ -49,12 +49,12 @@ class Picks:
         self._making = making
         self._solver = FixedGaitSolver(making.problem, making.scenario.strategy.solve_time_limit)
 
-    def judge(self, tasks: Sequence[Task]) -> list[Verdict]:
-        """What the picks come to at tasks that were searched."""
+    def judge(self, tasks: Sequence[Task], planning: Planning | None = None) -> list[Verdict]:
+        """What the picks come to at tasks that were searched: the cheapest gaits, or those that a planning picks."""
         if not tasks:
             return []
         making, costs = self._making, self._searched(tasks)
-        picks = dict(zip(tasks, self._of(tasks), strict=True))
+        picks = dict(zip(tasks, self._of(tasks) if planning is None else planning.picks(tasks), strict=True))
         names = [making.gaits[pick] if pick >= 0 else "" for pick in picks.values()]
         return judge_picks(list(tasks), names, costs, lambda task: self._costs([task], [picks[task]])[0])
 

@@ -59,10 +59,9 @@ class Planning:
     def plans(self, tasks: Sequence[Task]) -> list[Planned | None]:
         """The plan at each task, None where no gait has a motion."""
         places = [task.on(self._atlas.axes) for task in tasks]
-        likeliest = self._likeliest(places)
         asked = [
-            solves(self._atlas, place, self._sheets, self._nominal, gaits)
-            for place, gaits in zip(places, likeliest, strict=True)
+            solves(self._atlas, place, self._sheets, self._nominal, chances)
+            for place, chances in zip(places, self._chances_at(places), strict=True)
         ]
 
         def on_plans(done: int) -> None:
@@ -75,12 +74,21 @@ class Planning:
             for task, plan in zip(tasks, found, strict=True)
         ]
 
-    def _likeliest(self, places: Sequence[Place]) -> list[list[int]]:
-        """The gaits of the atlas that are tried at each place whatever they are predicted to cost."""
+    def picks(self, tasks: Sequence[Task]) -> list[int]:
+        """The number of the gait that `select` would name at each task, -1 where the atlas knows none."""
+        places = [task.on(self._atlas.axes) for task in tasks]
+        ranked = [
+            self._atlas.ranked(np.array(place), chances)
+            for place, chances in zip(places, self._chances_at(places), strict=True)
+        ]
+        return [self._gaits[self._atlas.sheets[sheets[0]].gait] if sheets else -1 for sheets in ranked]
+
+    def _chances_at(self, places: Sequence[Place]) -> list[list[float] | None]:
+        """The probabilities of the atlas' gaits at each place."""
         if self._chances is None or not places:
-            return [[] for _ in places]
-        of_gaits = self._chances(np.array(places))[:, self._gaits].tolist()
-        return [likely(dict(enumerate(row)), len(self._atlas.axes)) for row in of_gaits]
+            return [None for _ in places]
+        found: list[list[float] | None] = self._chances(np.array(places))[:, self._gaits].tolist()
+        return found
 
     def _nominal(self, place: Place) -> Array:
         scenario, layout = self._making.scenario, self._making.problem.layout
@@ -89,8 +97,9 @@ class Planning:
 
     def _from_other_starts(self, task: Task) -> Planned | None:
         """The first gait that has a motion from other starts than the map's, as a plan's last resort."""
-        place, patterns = np.array(task.on(self._atlas.axes)), self._making.growth.solver.patterns
-        for sheet in self._atlas.ranked(place)[:TOP]:
+        place, patterns = task.on(self._atlas.axes), self._making.growth.solver.patterns
+        [chances] = self._chances_at([place])
+        for sheet in self._atlas.ranked(np.array(place), chances)[:TOP]:
             pattern, restarts = patterns[self._sheets[sheet]], self._making.scenario.strategy.restarts
             best = best_of(until_feasible(self._solver, pattern, task, None, restarts))
             if best is not None:
@@ -99,15 +108,16 @@ class Planning:
 
 
 def solves(
-    atlas: Atlas, place: Place, patterns: Sequence[int], nominal: Nominal, likeliest: Sequence[int] = ()
+    atlas: Atlas, place: Place, patterns: Sequence[int], nominal: Nominal, chances: Sequence[float] | None = None
 ) -> Solves:
     """The solves of a plan at a place: `refine_ranked` without its last resort. Costs are the problem's.
 
-    `patterns` are the numbers by which the atlas' sheets are solved. Gaits of `likeliest` are tried at any rate.
+    `patterns` are the numbers by which the atlas' sheets are solved; `chances` the probabilities of its gaits, of which
+    those that are `likely` are tried at any rate.
     """
     asked = np.array(place)
     solved = partial(_solved, atlas, asked, patterns, nominal)
-    candidates = atlas.by_cost(asked)
+    candidates = atlas.by_cost(asked, chances)
     gaits = list(dict.fromkeys(atlas.sheets[sheet].gait for sheet in candidates))[:TOP]
     tried = set[int]()
     for sheet in (sheet for sheet in candidates if atlas.sheets[sheet].gait in gaits):
@@ -115,7 +125,8 @@ def solves(
         cost = yield from solved(sheet, STARTS)
         if cost is not None:
             first = Planned(atlas.sheets[sheet].gait, cost)
-            sure = {each for each in atlas.ranked(asked) if atlas.sheets[each].gait in likeliest}
+            likeliest = likely(dict(enumerate(chances or ())), len(atlas.axes))
+            sure = {each for each in atlas.ranked(asked, chances) if atlas.sheets[each].gait in likeliest}
             return (yield from _cheapest(atlas, first, tried, sure, asked, solved))
     return None
 

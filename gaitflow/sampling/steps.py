@@ -124,7 +124,9 @@ class Steps:
         if one.certificate is None:
             self._planning = planning = self._planning or self._planning_of(making)
             self._plans += self._picks.judge_plans(self._drawn[len(self._plans) :], planning)
-            self.certificate = certify(self._plans, self._judged(), self._further(planning), self._asked, self._seed)
+            # Over few axes `select` names what costs least, which was judged for the rounds to come, too.
+            selected = self._picks.judge(self._drawn, planning) if making.growth.is_wide else self._judged()
+            self.certificate = certify(self._plans, selected, self._further(planning), self._asked, self._seed)
         else:  # of a sampling that was stopped: what an asking came to stays, and is not planned again
             self.certificate = one.certificate
         self._tell_curve(one, self.certificate.dearer)

@@ -35,7 +35,7 @@ CONSTANTS = {
     "planner.hpp": {"least_saving": plan.LEAST_SAVING, "great_saving": plan.GREAT_SAVING, "likeliest": plan.LIKELIEST},
     "atlas.hpp": {
         "hardly_tried": atlas.HARDLY_TRIED, "hardly": atlas.HARDLY, "near_axes": atlas.NEAR_AXES,
-        "most_below": atlas.MOST_BELOW, "most_off": atlas.MOST_OFF,
+        "most_below": atlas.MOST_BELOW, "most_off": atlas.MOST_OFF, "least_chance": atlas.LEAST_CHANCE,
     },
     "gait_map.hpp": {"farthest": gait_map.FARTHEST},
 }  # fmt: skip

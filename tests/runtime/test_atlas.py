@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -126,8 +127,40 @@ def along_one_axis(axes: int, tasks: Sequence[float], slope: float) -> Sheet:
     return sheet(places, np.exp(places[:, 0] * slope), tangents[:, :, 0], coordinates, tangents)
 
 
-def over(axes: int, one: Sheet) -> Atlas:
-    return Atlas(tuple(f"axis {n}" for n in range(axes)), np.ones(axes), 1e-4, (one,))
+def over(axes: int, *sheets: Sheet) -> Atlas:
+    return Atlas(tuple(f"axis {n}" for n in range(axes)), np.ones(axes), 1e-4, sheets)
+
+
+@pytest.mark.parametrize(
+    ("axes", "chances", "first"),
+    [
+        (NEAR_AXES, [0.1, 0.9], 0),
+        (NEAR_AXES + 1, None, 0),
+        (NEAR_AXES + 1, [0.5, 0.5], 0),
+        (NEAR_AXES + 1, [0.4, 0.6], 1),
+        (NEAR_AXES + 1, [0.0, 0.0], 0),
+    ],
+)
+def test_over_many_axes_a_cost_counts_over_the_probability_of_its_gait(
+    axes: int, chances: list[float] | None, first: int
+) -> None:
+    places, nothing = np.array(list(product((0.0, 1.0), repeat=axes))), np.zeros((2**axes, axes))
+    made = over(
+        axes, *(sheet(places, np.full(len(places), cost), nothing, gait=n) for n, cost in enumerate((1.0, 1.3)))
+    )
+    assert made.ranked(np.full(axes, 0.5), chances) == made.by_cost(np.full(axes, 0.5), chances) == [first, 1 - first]
+
+
+@pytest.mark.parametrize(("chances", "first"), [(None, 1), ([0.5, 0.5], 0)])
+def test_over_many_axes_half_of_the_support_will_do_where_probabilities_are_known(
+    chances: list[float] | None, first: int
+) -> None:
+    axes = NEAR_AXES + 1
+    places, far, nothing = np.zeros((1, axes)), np.eye(axes)[:1] * 0.6, np.zeros((1, axes))
+    made = over(axes, sheet(far, np.ones(1), nothing, gait=0), sheet(places, np.full(1, 1.3), nothing, gait=1))
+    _, support = made.costs(places[0])
+    assert TRIED < support[0] < SUPPORT < support[1]
+    assert made.ranked(places[0], chances)[0] == first
 
 
 @pytest.mark.parametrize("steep", [-8.0, 8.0])

@@ -20,6 +20,11 @@ def gait_map(checkout: Path) -> GaitMap:
 
 
 @pytest.fixture(scope="module")
+def omni(checkout: Path) -> GaitMap:
+    return GaitMap.load(checkout / "models/anymal-omni")
+
+
+@pytest.fixture(scope="module")
 def borders(gait_map: GaitMap) -> list[float]:
     """Speeds [m/s] at which the cheapest gait changes."""
     speeds = np.linspace(0.1, 2.3, 221).tolist()
@@ -73,6 +78,28 @@ def excess(gait_map: GaitMap, gait: str | None, *place: float) -> float:
     costs, _ = atlas.costs(np.array(place))
     names = {gait_map.gaits[atlas.sheets[sheet].gait].name: sheet for sheet in atlas.ranked(np.array(place))}
     return float(costs[names[str(gait)]] / costs[atlas.ranked(np.array(place))[0]] - 1)
+
+
+def test_over_many_axes_a_gait_is_kept_by_what_the_gait_is_chosen_by(omni: GaitMap) -> None:
+    standing = {"lateral_speed": 0.0, "yaw_rate": 0.0, "cycle_duration": 0.6}
+    atlas, gaits = omni._artifact.atlas, [gait.name for gait in omni.gaits]
+    choices = [omni.select(speed, **standing) for speed in np.linspace(0.0, 1.2, 61).tolist()]
+    changes = [(one, other) for one, other in pairwise(choices) if one.gait != other.gait]
+    assert changes
+    for before, here in changes:
+        place = np.array([here.task[axis] for axis in omni.axes])
+        chances = omni._probabilities(place)
+        costs, _ = atlas.costs(place)
+        old, new = (
+            next(
+                float(costs[sheet]) / chances[atlas.sheets[sheet].gait]
+                for sheet in atlas.ranked(place, chances)
+                if gaits[atlas.sheets[sheet].gait] == name
+            )
+            for name in (before.gait, here.gait)
+        )
+        kept = omni.select(**here.task, previous=before, margin=old / new - 1 + 1e-9)
+        assert kept.gait == before.gait
 
 
 def test_a_previous_choice_without_a_gait_changes_nothing(gait_map: GaitMap) -> None:

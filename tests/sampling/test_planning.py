@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,8 @@ from gaitflow.runtime import GaitMap
 from gaitflow.runtime.atlas import Atlas
 from gaitflow.runtime.attempt import STARTS
 from gaitflow.runtime.refine import LIMIT, RIVAL_LIMIT
-from gaitflow.sampling.planning import Planned, solves, together
-from tests.helpers.sheets import sheet
+from gaitflow.sampling.planning import Nominal, Planned, solves, together
+from tests.helpers.sheets import LAYOUT, sheet
 
 STEPS = np.array([1.0, 1.0])
 GRID = np.array([[float(x), float(y)] for x in range(4) for y in range(4)])
@@ -49,11 +50,15 @@ class Solver:
 
 
 def planned(
-    made: Atlas, place: tuple[float, float], costs: Mapping[int, float], likeliest: Sequence[int] = ()
+    made: Atlas,
+    place: tuple[float, ...],
+    costs: Mapping[int, float],
+    chances: Sequence[float] | None = None,
+    nominal: Nominal = unasked,
 ) -> tuple[Planned | None, list[int]]:
     """The plan, and the patterns that were solved in their order."""
     solver = Solver(costs)
-    [plan] = together([solves(made, place, range(len(made.sheets)), unasked, likeliest)], solver)
+    [plan] = together([solves(made, place, range(len(made.sheets)), nominal, chances)], solver)
     return plan, [pattern for batch in solver.batches for pattern in batch]
 
 
@@ -69,20 +74,23 @@ def test_what_may_cost_less_than_was_found_is_solved_too() -> None:
 
 
 @pytest.mark.parametrize(
-    ("likeliest", "costs", "plan", "solved"),
+    ("chances", "costs", "plan", "solved"),
     [
-        ([], {0: 1.0, 1: 0.9, 2: 0.8}, Planned(0, 1.0), [0]),
-        ([2, 0], {0: 1.0, 1: 0.9, 2: 0.8}, Planned(2, 0.8), [0, 2]),
-        ([2, 1], {0: 1.0, 1: 0.9, 2: 0.95}, Planned(1, 0.9), [0, 1, 2]),
-        ([3], {0: 1.0}, Planned(0, 1.0), [0]),  # not known there
+        ([0.25, 0.25, 0.25, 0.25], {0: 1.0, 1: 0.9, 2: 0.8}, Planned(1, 0.9), [0, 1]),
+        ([0.4, 0.1, 0.35, 0.15], {0: 1.0, 1: 0.9, 2: 0.8}, Planned(2, 0.8), [0, 2]),
+        ([0.2, 0.3, 0.5, 0.0], {0: 1.0, 1: 0.9, 2: 0.95}, Planned(1, 0.9), [2, 1]),
+        ([0.2, 0.5, 0.1, 0.2], {0: 1.0, 2: 0.8}, Planned(0, 1.0), [1] * STARTS + [0]),
+        ([0.2, 0.1, 0.0, 0.7], {0: 1.0, 1: 1.2}, Planned(0, 1.0), [0]),  # the likeliest is not known there
     ],
 )
-def test_the_likeliest_gaits_are_solved_too(
-    likeliest: list[int], costs: dict[int, float], plan: Planned, solved: list[int]
+def test_over_many_axes_the_likeliest_gaits_are_solved_first_and_in_any_case(
+    chances: list[float], costs: dict[int, float], plan: Planned, solved: list[int]
 ) -> None:
-    far = GRID + 100.0
-    made = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2), sheet_of(2, 1.6), sheet_of(2, 1.7), sheet_of(3, 0.5, far))
-    assert planned(made, AMID, costs, likeliest) == (plan, solved)
+    places = np.array(list(product((0.0, 1.0), repeat=4)))
+    known = [(0, 1.0), (1, 1.2), (2, 1.6), (2, 1.7), (3, 0.5)]
+    sheets = [sheet_of(gait, cost, places + 100.0 * (gait == 3)) for gait, cost in known]
+    made = Atlas(("speed", "lateral_speed", "yaw_rate", "cycle_duration"), np.ones(4), 1e-4, tuple(sheets))  # type: ignore[arg-type]
+    assert planned(made, (0.5,) * 4, costs, chances, lambda place: np.zeros(LAYOUT.nw)) == (plan, solved)
 
 
 def test_a_half_believed_rival_is_solved_too() -> None:

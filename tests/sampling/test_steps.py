@@ -41,10 +41,12 @@ class Making:
         self.tell = self.told.append
         self.wrong = self.filled = 0
         self.planned: list[Task] = []  # further ones
+        self.picked_by: list[Planning | None] = []  # what picked, for each judgement
         self.growth = SimpleNamespace(is_wide=False, grid=tuple(axes.values()))
         self.picked, self.places, self.regrets = {0}, np.array([[0.5, 0.6]]), np.zeros(1)
 
-    def judge(self, tasks: Sequence[Task]) -> list[Verdict]:
+    def judge(self, tasks: Sequence[Task], planning: Planning | None = None) -> list[Verdict]:
+        self.picked_by.append(planning)
         return [Verdict(task, "trot", "trot", 0.1 * (number < self.wrong)) for number, task in enumerate(tasks)]
 
     def judge_plans(self, tasks: Sequence[Task], planning: Planning) -> list[Verdict]:
@@ -202,6 +204,17 @@ def test_two_dearer_picks_are_allowed_at_the_second_look(making: Making) -> None
     ask(after, making, "more", 0)
     assert after.certificate is not None and after.certificate.dearer_bound <= 0.02
     assert after.next_kind(1000) is None
+
+
+@pytest.mark.parametrize("is_wide", [False, True])
+def test_over_many_axes_a_certificate_judges_the_picks_of_the_planning(making: Making, is_wide: bool) -> None:
+    making.growth.is_wide = is_wide
+    after = begun(making, tasks(making, 100))
+    ask(after, making, "certificate", 0)
+    assert isinstance(making.picked_by[-1], Plans) is is_wide
+    judged = len(making.picked_by)
+    doubt(after, making, wrong=0)
+    assert making.picked_by[judged:].count(None) == len(making.picked_by) - judged, "rounds ask for the cheapest gaits"
 
 
 def test_a_map_plans_in_one_way_until_it_learns_more(making: Making) -> None:

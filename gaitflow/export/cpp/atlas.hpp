@@ -44,7 +44,10 @@ class AtlasView {
   }
 
   // The sheets with a node within reach: those whose cost is believed, the cheapest first, then the others by support.
-  std::vector<const Sheet*> by_cost(const Vector& place) const {
+  // Over many axes a cost counts over the probability of its gait, and half of the support will do.
+  std::vector<const Sheet*> by_cost(const Vector& place, const std::vector<float>& probabilities) const {
+    const bool is_wide = axes_ > near_axes;
+    const double believed = is_wide ? atlas_.support / 2 : atlas_.support;
     struct Ranked {
       double doubted;
       double cost;
@@ -53,8 +56,9 @@ class AtlasView {
     std::vector<Ranked> all;
     for (const Sheet& sheet : atlas_.sheets) {
       const SheetCost found = cost(sheet, place);
-      const double cost = std::isnan(found.cost) ? std::numeric_limits<double>::infinity() : found.cost;
-      const double doubted = found.support < atlas_.support ? 1 - std::floor(100 * found.support) / 100 : 0.0;
+      double cost = std::isnan(found.cost) ? std::numeric_limits<double>::infinity() : found.cost;
+      if (is_wide) cost /= std::max(static_cast<double>(probabilities[sheet.gait]), least_chance);
+      const double doubted = found.support < believed ? 1 - std::floor(100 * found.support) / 100 : 0.0;
       if (found.support > 0) all.push_back({doubted, cost, &sheet});
     }
     std::stable_sort(all.begin(), all.end(), [](const Ranked& one, const Ranked& other) {
@@ -66,9 +70,9 @@ class AtlasView {
   }
 
   // The first sheet of each gait, in the order of `by_cost`.
-  std::vector<const Sheet*> ranked(const Vector& place) const {
+  std::vector<const Sheet*> ranked(const Vector& place, const std::vector<float>& probabilities) const {
     std::vector<const Sheet*> best;
-    for (const Sheet* each : by_cost(place)) {
+    for (const Sheet* each : by_cost(place, probabilities)) {
       const auto same = [&](const Sheet* sheet) { return sheet->gait == each->gait; };
       if (std::none_of(best.begin(), best.end(), same)) best.push_back(each);
     }
@@ -150,6 +154,7 @@ class AtlasView {
 
  private:
   static constexpr double largest_log = 200.0;
+  static constexpr double least_chance = 1e-6;  // of a gait
   static constexpr double most_off = 1.0;  // of a start's cost, in logarithms, from its nodes'
   static constexpr double hardly_tried = 0.1, hardly = 2.0, most_below = 1.1;
   // As in gaitflow/runtime/nearby.py.

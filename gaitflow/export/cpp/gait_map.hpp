@@ -128,8 +128,8 @@ class GaitMap {
     return map_.classifier.probabilities(std::move(values));
   }
 
-  // The gait that the atlas predicts to cost least; where it knows none, the classifier's likeliest, of equal ones the
-  // first. Throws std::invalid_argument for a number that is not finite.
+  // The gait that the atlas predicts to cost least, over more than three axes over its probability; where it knows none,
+  // the classifier's likeliest, of equal ones the first. Throws std::invalid_argument for a number that is not finite.
   Choice select(const Vector& place) const {
     if (!contains(place)) return {false, nullptr, 0.0, {}};
     std::vector<float> all = probabilities(place);
@@ -138,11 +138,11 @@ class GaitMap {
   }
 
   // Every gait, by each of its patterns that the atlas knows here, in the order of choosing and trying: what the atlas
-  // knows by predicted cost, what it believes first; then the other gaits by probability.
+  // knows, what it believes first; then the other gaits by probability.
   std::vector<Candidate> candidates(const Vector& place, const std::vector<float>& probabilities) const {
     std::vector<Candidate> every;
     std::vector<bool> known(map_.gaits.size(), false);
-    for (const Sheet* sheet : AtlasView(map_.atlas).by_cost(place)) {
+    for (const Sheet* sheet : AtlasView(map_.atlas).by_cost(place, probabilities)) {
       every.push_back({sheet->gait, sheet});
       known[sheet->gait] = true;
     }
@@ -160,7 +160,7 @@ class GaitMap {
     check(place);
     const std::size_t number = number_of(gait);
     const AtlasView atlas(map_.atlas);
-    for (const Sheet* sheet : atlas.ranked(place)) {
+    for (const Sheet* sheet : atlas.ranked(place, probabilities(place))) {
       if (sheet->gait != number) continue;
       Vector point;
       double cost = 0;
