@@ -7,7 +7,7 @@ import numpy as np
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.trajectory import Array
 from gaitflow.learn.installed import check_installed
-from gaitflow.runtime.atlas import NEAR_AXES
+from gaitflow.runtime.atlas import NEAR_AXES, Atlas
 from gaitflow.runtime.classifier import Classifier
 from gaitflow.sampling.making import MapInMaking
 from gaitflow.sampling.planning import Chances, Planning
@@ -21,17 +21,18 @@ def check_trainable(scenario: Scenario) -> None:
 
 def planning_of(making: MapInMaking) -> Planning:
     """How the map in the making would plan; over so few axes that no plan asks for it, no classifier is trained."""
-    return Planning(making, chances_of(making) if _asks_classifier(making.scenario) else None)
+    atlas = making.built()
+    return Planning(making, atlas, chances_of(making, atlas) if _asks_classifier(making.scenario) else None)
 
 
-def chances_of(making: MapInMaking) -> Chances:
+def chances_of(making: MapInMaking, atlas: Atlas) -> Chances:
     """The probabilities of the gaits, in the order of `making.gaits`, by a classifier trained as for publishing."""
     from gaitflow.learn.train import KnownCosts, train  # what a sampling over few axes does without
 
     scenario, axes = making.scenario, making.scenario.tasks.space.ranged
     name_of = dict(zip(making.costs["gait_key"], making.costs["gait"], strict=True))
     names = tuple(name_of[key] for key in making.gaits)
-    known = KnownCosts(making.built(), names, making.domain)
+    known = KnownCosts(atlas, names, making.domain)
     # One gait is a map, too: whether it may be published is not asked here.
     training = train(making.labels, making.costs, axes, scenario.learning, True, known, making.tell)
     classifier = Classifier(training.onnx, len(axes), len(training.classes), f"{scenario.name}: the classifier")

@@ -84,7 +84,9 @@ def sample(
             )
         _write(run, scenario, rounds)
     tell("put together")
-    atlas, judged = making.built(), making.judge_predictions()
+    atlas = making.built()
+    tell("its predictions judged")
+    judged = making.judge_predictions(atlas)
     content = atlas_bytes(atlas)
     atomic_write(run.sampled_atlas, content)
     write_json(

@@ -177,9 +177,8 @@ class MapInMaking:
         with self.inside():
             return build_atlas(self.growth, self._numbers, largest)
 
-    def judge_predictions(self) -> Predictions:
-        """How good the predictions of the whole atlas are inside the domain."""
-        atlas = self.built()
+    def judge_predictions(self, atlas: Atlas) -> Predictions:
+        """How good the predictions of the whole atlas, as it was `built`, are inside the domain."""
         with self.inside():
             return judge_predictions(self.growth, atlas)
 

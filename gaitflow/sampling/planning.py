@@ -43,16 +43,16 @@ class Planned:
 
 
 class Planning:
-    """Plans of a map in the making as it is now, from the atlas that would be published.
+    """Plans of a map in the making as it is now, from the atlas that would be published, `making.built()`.
 
     `chances` are those of the classifier that would be, whose columns are `making.gaits`; None over so few axes that
     no plan asks for them.
     """
 
-    def __init__(self, making: MapInMaking, chances: Chances | None = None) -> None:
+    def __init__(self, making: MapInMaking, atlas: Atlas, chances: Chances | None = None) -> None:
         self._making, self._chances = making, chances
         self._gaits = sorted(making.picked)
-        self._atlas = making.built().of(self._gaits)
+        self._atlas = atlas.of(self._gaits)
         self._sheets = making.growth.numbers_of(self._atlas)
         self._solver = FixedGaitSolver(making.problem, making.scenario.strategy.solve_time_limit)
 

@@ -54,7 +54,7 @@ def making() -> Any:
 
 def test_the_columns_are_the_gaits_of_the_map_in_the_making() -> None:
     made = making()
-    found = chances_of(made)(np.array([[0.2, 0.5], [1.2, 0.5]]))
+    found = chances_of(made, made.built())(np.array([[0.2, 0.5], [1.2, 0.5]]))
     assert found.shape == (2, len(made.gaits))
     assert found.sum(axis=1) == pytest.approx(1.0, abs=1e-5)
     assert [made.gaits[column] for column in found.argmax(axis=1)] == [WALK, GALLOP]
@@ -65,9 +65,9 @@ def test_the_columns_are_the_gaits_of_the_map_in_the_making() -> None:
 def test_a_classifier_is_trained_where_plans_ask_for_it(
     monkeypatch: pytest.MonkeyPatch, axes: int, is_trained: bool
 ) -> None:
-    monkeypatch.setattr(chances, "chances_of", lambda _: "trained")
-    monkeypatch.setattr(chances, "Planning", lambda _, found: found)
-    made = SimpleNamespace(scenario=scenario([f"axis {n}" for n in range(axes)]))
+    monkeypatch.setattr(chances, "chances_of", lambda *_: "trained")
+    monkeypatch.setattr(chances, "Planning", lambda _, atlas, found: found)
+    made = SimpleNamespace(scenario=scenario([f"axis {n}" for n in range(axes)]), built=lambda: None)
     assert planning_of(made) == ("trained" if is_trained else None)  # type: ignore[arg-type,comparison-overlap]
 
 
