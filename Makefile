@@ -42,8 +42,9 @@ test: lint  ## lint and the fast tests, with Slurm's when it is installed; COVER
 slow-tests: $(STAMP)  ## the slow tests only
 	$(PYTEST) -m "slow and not slurm" --timeout=600
 
+# They mostly wait, so three run at once, each worker in a Slurm of its own.
 slurm-tests: $(STAMP)  ## every test on a real Slurm (apt-get install slurm-wlm munge slurmdbd mariadb-server)
-	$(PYTEST) -m slurm --durations=5
+	$(BIN)/python -m pytest -n 3 --dist load -m slurm --durations=5
 
 all-tests: lint  ## lint and every test, fast and slow
 	$(PYTEST) -m "not slurm" --timeout=600
