@@ -15,24 +15,24 @@ Planned = tuple[str, float | None]  # the plan's gait and its cost, None of a pl
 
 
 def plan_all(
-    path: Path, asked: Sequence[Asked], workers: int, on_plan: Callable[[int], None] = lambda done: None
+    path: Path, asked: Sequence[Asked], workers: int, on_plan: Callable[[Planned], None] = lambda plan: None
 ) -> list[Planned]:
     """The plans of the map at `path`, by so many processes; of one worker by this process.
 
-    `on_plan` hears how many there are. They are those of a call in this process, to the last bit.
+    `on_plan` hears each as it comes. They are those of a call in this process, to the last bit.
     """
     plan, plans = functools.partial(_planned, path), list[Planned]()
     if workers == 1 or len(asked) < 2:
         for one in asked:
             plans.append(plan(one))
-            on_plan(len(plans))
+            on_plan(plans[-1])
         return plans
     with processes(workers) as pool:
         with starting():
             coming = pool.map(plan, asked)
         for each in coming:
             plans.append(each)
-            on_plan(len(plans))
+            on_plan(each)
     return plans
 
 

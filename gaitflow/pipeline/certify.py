@@ -24,6 +24,7 @@ from gaitflow.execute.map_processes import Asked, Planned, plan_all
 from gaitflow.execute.progress import countdown, progress
 from gaitflow.execute.run import run_units
 from gaitflow.files import make_folder
+from gaitflow.pipeline.kept_plans import kept_plans
 from gaitflow.pipeline.workspace import Workspace
 from gaitflow.runtime import GaitMap
 from gaitflow.store.parts import UnitStore
@@ -39,9 +40,9 @@ def certify_map(
     """Search `tasks` random tasks of a map's domain cold, on `workers` processes, and judge its plans there.
 
     Returns the verdicts on the plans, too. By default as many tasks are searched as bound the dearer plans by 2 % when
-    none fails; further ones are planned only, as many as bound those without a plan by 0.5 %. What is searched is
-    stored in runs/certify-NAME-VERSION: a certificate that was stopped goes on. Raises ArtifactError for a map that the
-    installed code cannot plan or search for, EmptyDomain.
+    none fails; further ones are planned only, as many as bound those without a plan by 0.5 %. What is searched and
+    planned is stored in runs/certify-NAME-VERSION: a certificate that was stopped goes on. Raises ArtifactError for a
+    map that the installed code cannot plan or search for, EmptyDomain.
     """
     gait_map = GaitMap.load(path)
     scenario = _scenario_of(gait_map)
@@ -55,9 +56,12 @@ def certify_map(
     further = max(tasks_needed(0, goal.infeasible, chance_infeasible) - number, 0)
     planned = draw_tasks(domain, space, further, PLANNED_SEED + seed, "held_out")
     with display(f"plans of {gait_map.manifest.name} {gait_map.manifest.version}") as tell:
-        on_plan, every = countdown(tell, "plans"), [*drawn, *planned]
-        asked = [(_values(gait_map, task), None) for task in every]
-        found = plan_all(path, asked, workers, lambda done: on_plan(done, len(every)))
+        asked: list[Asked] = [(_values(gait_map, task), None) for task in [*drawn, *planned]]
+        on_plan, file = countdown(tell, "plans"), _folder(workspace, gait_map) / f"plans-{seed}.jsonl"
+        with kept_plans(file, gait_map.manifest, asked) as kept:
+            left = asked[len(kept.plans) :]
+            plan_all(path, left, workers, lambda plan: on_plan(kept.add(plan), len(left)))
+        found = kept.plans
         plans = judge_plans(drawn, [(_key(gait_map, gait), cost) for gait, cost in found[:number]], costs)
         selections = _judged_picks(gait_map, drawn, costs, lambda picked: plan_all(path, picked, workers))
     have_plans = [cost is not None for _, cost in found[number:]]
@@ -78,8 +82,7 @@ def _scenario_of(gait_map: GaitMap) -> Scenario:
 def _searched(
     workspace: Workspace, gait_map: GaitMap, scenario: Scenario, tasks: Sequence[Task], workers: int
 ) -> pd.DataFrame:
-    manifest = gait_map.manifest
-    folder = workspace.root / "runs" / f"certify-{manifest.name}-{manifest.version}"
+    manifest, folder = gait_map.manifest, _folder(workspace, gait_map)
     make_folder(folder)
     store = UnitStore(folder)
     units = plan_cold(scenario, tasks)
@@ -88,6 +91,10 @@ def _searched(
     columns = scalar_columns(solution_schema(scenario.as_data()).names)
     rows = pd.concat([store.read(unit, columns=columns).to_pandas() for unit in units], ignore_index=True)
     return gait_costs(rows, scenario.robot.leg_names)
+
+
+def _folder(workspace: Workspace, gait_map: GaitMap) -> Path:
+    return workspace.root / "runs" / f"certify-{gait_map.manifest.name}-{gait_map.manifest.version}"
 
 
 def _values(gait_map: GaitMap, task: Task) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from gaitflow.execute.map_processes import Asked, plan_all
+from gaitflow.execute.map_processes import Asked, Planned, plan_all
 from gaitflow.runtime import GaitMap
 
 MAP = Path(__file__).parents[2] / "models" / "half-cheetah-exact-vibration"
@@ -22,11 +22,11 @@ def test_plans_are_the_same_whoever_makes_them() -> None:
     gait = GaitMap.load(MAP).gaits[0].name
     asked: list[Asked] = [({"speed": speed, "cycle_duration": 0.6}, None) for speed in (0.4, 0.9, 1.4)]
     asked.append(({"speed": 0.9, "cycle_duration": 0.6}, gait))
-    before, here, there = started(), list[int](), list[int]()
+    before, here, there = started(), list[Planned](), list[Planned]()
     alone, together = plan_all(MAP, asked, 1, here.append), plan_all(MAP, asked, 2, there.append)
     assert together == alone and alone[-1][0] == gait
     assert all(cost is not None and cost > 0 for _, cost in alone)
-    assert here == there == [1, 2, 3, 4]
+    assert here == there == alone
     assert started() <= before, "they have ended"
 
 
