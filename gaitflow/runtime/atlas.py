@@ -34,7 +34,7 @@ bent curve.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -59,8 +59,6 @@ NEAR_AXES, MOST_BELOW = 3, 1.1
 MOST_OFF = 1.0
 LEAST_CHANCE = 1e-6  # of a gait: those that the classifier rules out are still ordered by cost
 LARGEST_LOG = 200.0  # of a cost, so that it and its products with stored numbers are finite
-
-ChancesAt = Callable[[Array], Sequence[float]]  # at a place [a] the probability of each gait to be the best
 
 
 @dataclass(frozen=True, eq=False)

@@ -264,9 +264,7 @@ class GaitMap:
         return task, chosen
 
     def _chooser(self, axis: str, per: Per) -> Chooser:
-        return Chooser(
-            self._artifact.atlas, self.manifest.domain, self._probabilities, self.manifest.cost_scale, axis, per
-        )
+        return Chooser(self._artifact.atlas, self.manifest.domain, self.manifest.cost_scale, axis, per)
 
     def _kept(self, previous: object) -> int | None:
         """The number of a previous choice's gait, None where it had none."""

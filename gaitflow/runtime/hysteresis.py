@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from numbers import Real
 
 import numpy as np
 
 from gaitflow.core.trajectory import Array
-from gaitflow.runtime.atlas import Atlas, ChancesAt
+from gaitflow.runtime.atlas import Atlas
 
 MARGIN = 0.05  # of the best gait's cost
 NEAR = 0.1  # steps of the map's grid
+
+ChancesAt = Callable[[Array], Sequence[float]]  # at a place [a] the probability of each gait to be the best
 
 
 def is_kept(atlas: Atlas, chances: ChancesAt, steps: Array, place: Array, gait: int, margin: float) -> bool:

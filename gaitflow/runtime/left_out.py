@@ -11,7 +11,7 @@ import numpy as np
 
 from gaitflow.core.domain import Domain
 from gaitflow.core.task import AXES
-from gaitflow.runtime.atlas import Atlas, ChancesAt
+from gaitflow.runtime.atlas import SUPPORT, Atlas
 
 Per = Literal["second", "metre"]
 POINTS = 8  # looked at in each step of the map's grid
@@ -42,14 +42,13 @@ class ChosenValue:
 class Chooser:
     """Chooses a value on one axis of a map, by cost `per` second or metre.
 
-    `scale` times the atlas' cost is the scenario's cost; `chances` are the gaits' probabilities at a place. At a given
-    speed, the same cycle duration costs least per second and per metre. If the speed is left out, the least cost per
-    second is at a slow speed, and the least cost per metre at the speed at which a distance costs least.
+    `scale` times the atlas' cost is the scenario's cost. At a given speed, the same cycle duration costs least per
+    second and per metre. If the speed is left out, the least cost per second is at a slow speed, and the least cost per
+    metre at the speed at which a distance costs least.
     """
 
     atlas: Atlas
     domain: Domain
-    chances: ChancesAt
     scale: float
     axis: str
     per: Per
@@ -74,17 +73,14 @@ class Chooser:
         return self._chosen(task, value, self._rate(task, gait)(value), on_edge)
 
     def _rate(self, task: Mapping[str, float], gait: int | None) -> Callable[[float], float]:
-        """The believed cost a second or a metre by value: of the gait chosen or a given one, infinite without any."""
+        """The believed cost a second or a metre by value: of the best gait or a given one, infinite without any."""
         own = np.array([gait in (None, sheet.gait) for sheet in self.atlas.sheets], dtype=bool)
 
         def rate(value: float) -> float:
             whole = {**task, self.axis: value}
-            place = np.array([whole[axis] for axis in self.atlas.axes])
-            costs, support = self.atlas.costs(place)
-            by, believed = self.atlas.preferred(costs, support, self.chances(place) if self.atlas.is_wide else None)
-            by = np.where(own & believed, by, math.inf)
+            costs, support = self.atlas.costs(np.array([whole[axis] for axis in self.atlas.axes]))
             over = whole["cycle_duration"] * (1.0 if self.per == "second" else _pace(whole))
-            return float(costs[np.argmin(by)]) / over if over and np.isfinite(by).any() else math.inf
+            return float(costs[own & (support >= SUPPORT)].min(initial=math.inf)) / over if over else math.inf
 
         return rate
 

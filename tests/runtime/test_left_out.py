@@ -28,12 +28,6 @@ class Sheet:
         self.gait = gait
 
 
-class WideBowl(Bowl):
-    """The same as of many axes, where probabilities count."""
-
-    is_wide = True
-
-
 @pytest.fixture
 def bowl() -> Atlas:
     return Bowl(("speed", "cycle_duration"), np.ones(2), 1e-4, (Sheet(0), Sheet(1)))  # type: ignore[arg-type]
@@ -54,16 +48,7 @@ def cheapest(
     per: Per = "second",
 ) -> ChosenValue | None:
     (axis,) = {"speed", "cycle_duration"} - task.keys()
-    return Chooser(atlas, within, lambda _: [0.1, 0.9], scale, axis, per).cheapest(task, gait)
-
-
-def test_over_many_axes_it_is_the_cost_of_the_gait_that_is_chosen() -> None:
-    wide = WideBowl(("speed", "cycle_duration"), np.ones(2), 1e-4, (Sheet(0), Sheet(1)))  # type: ignore[arg-type]
-    found = cheapest(wide, domain(), {"speed": 0.5})
-    assert found is not None and found.value == pytest.approx(1.1, abs=1e-4)
-    assert found.cost_per_second == pytest.approx(1.52, abs=1e-6)
-    of_the_other = cheapest(wide, domain(), {"speed": 0.5}, gait=0)
-    assert of_the_other is not None and of_the_other.value == pytest.approx(0.73, abs=1e-4)
+    return Chooser(atlas, within, scale, axis, per).cheapest(task, gait)
 
 
 def test_the_bottom_of_a_bowl(bowl: Atlas) -> None:
