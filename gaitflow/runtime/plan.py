@@ -17,7 +17,6 @@ from gaitflow.core.task_space import TaskSpace
 from gaitflow.core.trajectory import Trajectory
 from gaitflow.motion import Frames, Motion, Point
 from gaitflow.motion.motion import SWING_APEX
-from gaitflow.runtime.atlas import NEAR_AXES
 from gaitflow.runtime.attempt import Attempt, Candidate, GaitRefiner
 from gaitflow.runtime.left_out import ChosenValue
 from gaitflow.runtime.manifest import Gait
@@ -25,9 +24,9 @@ from gaitflow.runtime.manifest import Gait
 TOP = 5  # gaits that a plan tries unless it is told otherwise
 LEAST_SAVING = 1e-3  # relative cost that another candidate must promise, and come, to save
 GREAT_SAVING = 0.5  # relative cost for which it is solved from a second start
-# Gaits that are tried over more than NEAR_AXES axes because the classifier finds them likeliest. Between nodes so far
-# apart predictions mislead: of five gaits that were the best and not tried four were among them, at 0.4 solves a plan.
-LIKELIEST = 2
+# Over more than NEAR_AXES axes predictions between nodes so far apart mislead: a gait that is so probably the best is
+# tried there whatever it may cost, and one that hardly is the best is tried only if it comes first.
+LIKELY, UNLIKELY = 0.1, 0.003
 
 
 @dataclass(frozen=True)
@@ -126,16 +125,18 @@ def refine_ranked(
     """Refine the candidates (candidate, gait, probability) in order until one converges to a feasible motion.
 
     Only those of the first `top` gaits are tried so. Then all others that may cost less than that came to are refined
-    as well, and the `likely` ones, and the cheapest one is taken if it does: before a cliff of the cost and across its
-    kinks predictions are far off, and their nodes disagree.
+    as well, and the cheapest one is taken if it does: before a cliff of the cost and across its kinks predictions are
+    far off, and their nodes disagree. Over more than NEAR_AXES axes `likely` gaits are refined in any case, and
+    `unlikely` ones are not.
     IPOPT is asked only when the fast method has failed for all of them, once a gait: where the first gait has no
     motion, as beyond its longest stride, it takes a second to find that out, and a planner cannot wait for it.
     """
     selected = time.perf_counter()
     candidates = [candidate for candidate, _, _ in ranked]
-    chances = {candidate.gait: probability for candidate, _, probability in ranked}
-    sure = _firsts(candidates, likely(chances, len(refiner.atlas.axes)))
-    attempts = list(_attempts(refiner, candidates, sure, asked.task, top))
+    chances = {candidate.gait: probability for candidate, _, probability in ranked} if refiner.atlas.is_wide else {}
+    sure = _firsts(candidates, likely(chances))
+    spared = _spared(candidates, unlikely(chances))
+    attempts = list(_attempts(refiner, candidates, sure, spared, asked.task, top))
     best, attempt = min(attempts, key=_merit)
     first, solved = next((each for each in attempts if each[1].refined), (best, attempt))
     if attempt.cost > solved.cost * (1 - LEAST_SAVING):  # of gaits that tie, the one that `select` names
@@ -164,13 +165,18 @@ def refine_ranked(
     )
 
 
-def likely(probabilities: Mapping[int, float], axes: int) -> list[int]:
-    """The gaits, by their numbers, that a plan over so many axes tries whatever they are predicted to cost."""
-    return sorted(probabilities, key=probabilities.__getitem__, reverse=True)[:LIKELIEST] if axes > NEAR_AXES else []
+def likely(chances: Mapping[int, float]) -> set[int]:
+    """The gaits, by their numbers, that are tried whatever they are predicted to cost."""
+    return {gait for gait, chance in chances.items() if chance >= LIKELY}
+
+
+def unlikely(chances: Mapping[int, float]) -> set[int]:
+    """The gaits, by their numbers, that are tried only if they come first."""
+    return {gait for gait, chance in chances.items() if chance < UNLIKELY}
 
 
 def _attempts(
-    refiner: GaitRefiner, candidates: Sequence[Candidate], sure: Set[int], task: Task, top: int
+    refiner: GaitRefiner, candidates: Sequence[Candidate], sure: set[int], spared: set[int], task: Task, top: int
 ) -> Iterator[tuple[int, Attempt]]:
     gaits = list(dict.fromkeys(candidate.gait for candidate in candidates))[:top]
     places = [place for place, candidate in enumerate(candidates) if candidate.gait in gaits]
@@ -178,8 +184,8 @@ def _attempts(
         attempt = refiner.fast(candidates[place], task)
         yield place, attempt
         if attempt.refined:
-            tried = set(places[: number + 1])
-            yield from _cheaper(refiner, candidates, sure, tried, attempt.cost, task)
+            done = spared.union(places[: number + 1])
+            yield from _cheaper(refiner, candidates, sure, done, attempt.cost, task)
             return
     first = {candidates[place].gait: place for place in reversed(places)}
     for place in sorted(first.values()):
@@ -190,15 +196,15 @@ def _attempts(
 
 
 def _cheaper(
-    refiner: GaitRefiner, candidates: Sequence[Candidate], sure: Set[int], tried: Set[int], cost: float, task: Task
+    refiner: GaitRefiner, candidates: Sequence[Candidate], sure: Set[int], done: Set[int], cost: float, task: Task
 ) -> Iterator[tuple[int, Attempt]]:
     """An attempt for each candidate left that may cost less than the cheapest so far, the most promising first.
 
-    Those of `sure` are tried whatever they may cost.
+    Those of `sure` are tried whatever they may cost, those of `done` not.
     """
     least = refiner.least(candidates, task)
     for place in sorted(range(len(candidates)), key=least.__getitem__):
-        if place not in tried and (place in sure or least[place] < cost * (1 - LEAST_SAVING)):
+        if place not in done and (place in sure or least[place] < cost * (1 - LEAST_SAVING)):
             most = 2 if least[place] < cost * (1 - GREAT_SAVING) else 1
             attempt = refiner.fast(candidates[place], task, most)
             yield place, attempt
@@ -206,7 +212,12 @@ def _cheaper(
                 cost = min(cost, attempt.cost)
 
 
-def _firsts(candidates: Sequence[Candidate], gaits: Sequence[int]) -> set[int]:
+def _spared(candidates: Sequence[Candidate], gaits: Set[int]) -> set[int]:
+    """The places of all candidates of gaits, but of the gait that comes first."""
+    return {place for place, each in enumerate(candidates) if each.gait in gaits - {candidates[0].gait}}
+
+
+def _firsts(candidates: Sequence[Candidate], gaits: Set[int]) -> set[int]:
     """The place of the first candidate of each gait that the atlas knows."""
     places = reversed(range(len(candidates)))
     first = {candidates[place].gait: place for place in places if candidates[place].sheet is not None}

@@ -19,7 +19,7 @@ from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas
 from gaitflow.runtime.attempt import STARTS
-from gaitflow.runtime.plan import GREAT_SAVING, LEAST_SAVING, TOP, likely
+from gaitflow.runtime.plan import GREAT_SAVING, LEAST_SAVING, TOP, likely, unlikely
 from gaitflow.runtime.refine import limit_of
 from gaitflow.runtime.starts import starts_of
 from gaitflow.sampling.making import MapInMaking
@@ -112,8 +112,8 @@ def solves(
 ) -> Solves:
     """The solves of a plan at a place: `refine_ranked` without its last resort. Costs are the problem's.
 
-    `patterns` are the numbers by which the atlas' sheets are solved; `chances` the probabilities of its gaits, of which
-    those that are `likely` are tried at any rate.
+    `patterns` are the numbers by which the atlas' sheets are solved; `chances` the probabilities of its gaits, None
+    over so few axes that no plan asks for them.
     """
     asked = np.array(place)
     solved = partial(_solved, atlas, asked, patterns, nominal)
@@ -125,19 +125,21 @@ def solves(
         cost = yield from solved(sheet, STARTS)
         if cost is not None:
             first = Planned(atlas.sheets[sheet].gait, cost)
-            likeliest = likely(dict(enumerate(chances or ())), len(atlas.axes))
-            sure = {each for each in atlas.ranked(asked, chances) if atlas.sheets[each].gait in likeliest}
-            return (yield from _cheapest(atlas, first, tried, sure, asked, solved))
+            of_gaits = dict(enumerate(chances or ()))
+            sure = {each for each in atlas.ranked(asked, chances) if atlas.sheets[each].gait in likely(of_gaits)}
+            spared = unlikely(of_gaits) - {atlas.sheets[candidates[0]].gait}
+            done = tried.union(each for each in candidates if atlas.sheets[each].gait in spared)
+            return (yield from _cheapest(atlas, first, done, sure, asked, solved))
     return None
 
 
 def _cheapest(
-    atlas: Atlas, first: Planned, tried: Set[int], sure: Set[int], asked: Array, solved: Callable[[int, int], Solved]
+    atlas: Atlas, first: Planned, done: Set[int], sure: Set[int], asked: Array, solved: Callable[[int, int], Solved]
 ) -> Generator[Asked, float | None, Planned]:
     """The plan that was found first, or a cheaper one: of a sheet that may be cheaper, or is one of `sure`."""
     best, least = first, atlas.least_costs(asked)
     for rival in np.argsort(least, kind="stable").tolist():
-        if rival not in tried and (rival in sure or least[rival] < best.cost * (1 - LEAST_SAVING)):
+        if rival not in done and (rival in sure or least[rival] < best.cost * (1 - LEAST_SAVING)):
             most = 2 if least[rival] < best.cost * (1 - GREAT_SAVING) else 1
             cost = yield from solved(rival, most)
             if cost is not None and cost < best.cost * (1 - LEAST_SAVING):

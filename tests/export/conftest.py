@@ -143,5 +143,6 @@ def sloped_export(tiny: TinyMap, tmp_path_factory: pytest.TempPathFactory) -> Ex
 def wide_export(tiny: TinyMap, tmp_path_factory: pytest.TempPathFactory) -> Exported:
     """A map of four axes, whose plans take the nominal start."""
     made = scattered_map(tiny, sloped_scenario(payload=Range(start=0.0, stop=5.0, count=2)))
-    model = write_map(made, tmp_path_factory.mktemp("wide") / "quickstart")
+    unsure = replace(made, classifier=perceptron(2, 4, temperature=40.0))  # likely and unlikely gaits, and all between
+    model = write_map(unsure, tmp_path_factory.mktemp("wide") / "quickstart")
     return export_c(model, tmp_path_factory.mktemp("wide-exports") / "c")

@@ -32,7 +32,10 @@ CONSTANTS = {
         "mean_barrier": refine.MEAN_BARRIER, "least_cost": refine.LEAST_COST,
     },
     "refine.hpp": {"feasible_within": check.FEASIBLE, "limit": refine.LIMIT, "rival_limit": refine.RIVAL_LIMIT},
-    "planner.hpp": {"least_saving": plan.LEAST_SAVING, "great_saving": plan.GREAT_SAVING, "likeliest": plan.LIKELIEST},
+    "planner.hpp": {
+        "least_saving": plan.LEAST_SAVING, "great_saving": plan.GREAT_SAVING, "likely": plan.LIKELY,
+        "unlikely": plan.UNLIKELY,
+    },
     "atlas.hpp": {
         "hardly_tried": atlas.HARDLY_TRIED, "hardly": atlas.HARDLY, "near_axes": atlas.NEAR_AXES,
         "most_below": atlas.MOST_BELOW, "most_off": atlas.MOST_OFF, "least_chance": atlas.LEAST_CHANCE,

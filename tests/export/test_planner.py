@@ -91,8 +91,8 @@ def test_the_example_plans_as_python_does(
 
 
 def test_over_many_axes_it_starts_and_tries_what_python_does(wide_export: Exported, tmp_path: Path) -> None:
-    """From the nominal start, as the atlas' points are random numbers; and both gaits, as they are the likeliest."""
-    gait_map = GaitMap.load(wide_export.model)
+    """From the nominal start, as the atlas' points are random numbers; and both gaits, but an unlikely one."""
+    gait_map, tried = GaitMap.load(wide_export.model), set()
     tasks = tasks_of(gait_map, 30)
     answers = planned(built(wide_export.folder, tmp_path, "plan"), wide_export, tasks)
     for task, answer in zip(tasks, answers, strict=True):
@@ -100,8 +100,9 @@ def test_over_many_axes_it_starts_and_tries_what_python_does(wide_export: Export
         assert (answer["gait"], answer["pattern"], answer["path"]) == (plan.gait, plan.pattern, plan.path), task
         assert plan.path != "fallback" and answer["refined"]
         assert answer["cost"] == pytest.approx(plan.cost, rel=1e-6)
-        assert len({gait for gait, _ in plan.tried}) == 2
+        tried.add(len({gait for gait, _ in plan.tried}))
         assert answer["iterations"] == pytest.approx(plan.iterations, abs=2)
+    assert tried == {1, 2}
 
 
 def test_what_the_atlas_does_not_know_is_planned_from_the_mean(

@@ -16,7 +16,7 @@ from gaitflow.problem import GaitProblem
 from gaitflow.runtime import GaitMap, OutOfDomain, Plan, refine
 from gaitflow.runtime.atlas import NEAR_AXES, Atlas
 from gaitflow.runtime.attempt import Attempt, Candidate
-from gaitflow.runtime.plan import Asked, likely, refine_ranked
+from gaitflow.runtime.plan import LIKELY, UNLIKELY, Asked, likely, refine_ranked, unlikely
 
 TASK, VALUES = task_of(0.9, 0.6), {"speed": 0.9, "cycle_duration": 0.6}
 FAST = (2.05, 0.9)  # beyond what walking can do
@@ -422,13 +422,13 @@ def test_of_gaits_that_are_not_tried_a_cheaper_one_is_looked_at(
     ("axes", "gallop", "costs", "gait", "calls"),
     [
         (NEAR_AXES, Candidate(1, 2), (10.0, 9.9, 9.8), "walking", [FAST_0]),
-        # Of the likeliest gaits one pattern is looked at, and the plan's own gait is one of them.
+        # Of a likely gait one pattern is looked at, and the plan's own gait is one.
         (NEAR_AXES + 1, Candidate(1, 2), (10.0, 9.9, 9.8), "gallop", [FAST_0, ("look", 2)]),
         (NEAR_AXES + 1, Candidate(1, 2), (10.0, 9.9, 10.1), "walking", [FAST_0, ("look", 2)]),
         (NEAR_AXES + 1, Candidate(1, None), (10.0, 9.8, 9.8), "walking", [FAST_0]),
     ],
 )
-def test_over_many_axes_the_likeliest_gaits_are_looked_at_in_any_case(
+def test_over_many_axes_likely_gaits_are_looked_at_in_any_case(
     gait_map: GaitMap, axes: int, gallop: Candidate, costs: tuple, gait: str, calls: list[tuple[str, int]]
 ) -> None:
     first, second = gait_map.gaits
@@ -438,11 +438,28 @@ def test_over_many_axes_the_likeliest_gaits_are_looked_at_in_any_case(
     assert plan.gait == gait and scripted.calls == calls
 
 
-def test_the_likeliest_gaits_are_few_and_in_their_order() -> None:
-    probabilities = {4: 0.1, 2: 0.4, 0: 0.4, 1: 0.1}
-    assert likely(probabilities, NEAR_AXES) == []
-    assert likely(probabilities, NEAR_AXES + 1) == [2, 0], "of equal ones the first"
-    assert likely({3: 1.0}, NEAR_AXES + 1) == [3]
+@pytest.mark.parametrize(
+    ("axes", "chance", "first", "calls"),
+    [
+        (NEAR_AXES, UNLIKELY / 2, 0.5, [FAST_0, ("look", 2), ("look", 1)]),
+        (NEAR_AXES + 1, UNLIKELY, 0.5, [FAST_0, ("look", 2), ("look", 1)]),
+        (NEAR_AXES + 1, UNLIKELY / 2, 0.5, [FAST_0, ("look", 1)]),
+        (NEAR_AXES + 1, 0.5, UNLIKELY / 2, [FAST_0, ("look", 2), ("look", 1)]),  # what comes first is spared by none
+    ],
+)
+def test_over_many_axes_an_unlikely_gait_is_not_looked_at(
+    gait_map: GaitMap, axes: int, chance: float, first: float, calls: list[tuple[str, int]]
+) -> None:
+    walking, gallop = gait_map.gaits
+    ranked = [(Candidate(0, 0), walking, first), (Candidate(0, 1), walking, first), (Candidate(1, 2), gallop, chance)]
+    scripted = Scripted(gait_map, [SOLVED] * 3, [LOST] * 3, (10.0, 9.0, 8.0), (10.0, 9.5, 9.6), axes)
+    refine_ranked(scripted, ranked, Asked(TASK, VALUES, True, 0.0, 0.0))
+    assert scripted.calls == calls
+
+
+def test_gaits_by_their_probability() -> None:
+    chances = {4: UNLIKELY / 2, 2: LIKELY, 0: 0.8, 1: UNLIKELY, 3: LIKELY / 2}
+    assert (likely(chances), unlikely(chances)) == ({2, 0}, {4})
 
 
 @pytest.mark.parametrize(

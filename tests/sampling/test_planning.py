@@ -76,14 +76,16 @@ def test_what_may_cost_less_than_was_found_is_solved_too() -> None:
 @pytest.mark.parametrize(
     ("chances", "costs", "plan", "solved"),
     [
-        ([0.25, 0.25, 0.25, 0.25], {0: 1.0, 1: 0.9, 2: 0.8}, Planned(1, 0.9), [0, 1]),
-        ([0.4, 0.1, 0.35, 0.15], {0: 1.0, 1: 0.9, 2: 0.8}, Planned(2, 0.8), [0, 2]),
-        ([0.2, 0.3, 0.5, 0.0], {0: 1.0, 1: 0.9, 2: 0.95}, Planned(1, 0.9), [2, 1]),
-        ([0.2, 0.5, 0.1, 0.2], {0: 1.0, 2: 0.8}, Planned(0, 1.0), [1] * STARTS + [0]),
-        ([0.2, 0.1, 0.0, 0.7], {0: 1.0, 1: 1.2}, Planned(0, 1.0), [0]),  # the likeliest is not known there
+        ([0.97, 0.02, 0.01, 0.0], {0: 1.0, 1: 0.9, 2: 0.8}, Planned(0, 1.0), [0]),
+        ([0.5, 0.05, 0.45, 0.0], {0: 1.0, 1: 0.9, 2: 0.8}, Planned(2, 0.8), [0, 2]),
+        ([0.2, 0.3, 0.5, 0.0], {0: 1.0, 1: 0.9, 2: 0.95}, Planned(1, 0.9), [2, 0, 1]),
+        ([0.04, 0.95, 0.01, 0.0], {0: 1.0, 2: 0.8}, Planned(0, 1.0), [1] * STARTS + [0]),
+        ([0.29, 0.01, 0.0, 0.7], {0: 1.0, 1: 1.2}, Planned(0, 1.0), [0]),  # the likeliest is not known there
+        ([0.9, 0.01, 0.09, 0.0], {0: 1.5, 1: 1.2, 2: 1.6}, Planned(1, 1.2), [0, 1]),
+        ([0.9, 0.002, 0.098, 0.0], {0: 1.5, 1: 1.2, 2: 1.6}, Planned(0, 1.5), [0]),
     ],
 )
-def test_over_many_axes_the_likeliest_gaits_are_solved_first_and_in_any_case(
+def test_over_many_axes_likely_gaits_are_solved_first_and_in_any_case_and_unlikely_ones_are_not(
     chances: list[float], costs: dict[int, float], plan: Planned, solved: list[int]
 ) -> None:
     places = np.array(list(product((0.0, 1.0), repeat=4)))

@@ -69,8 +69,8 @@ class Planner {
     Indices gaits;  // in the order of their first candidates
     for (const Candidate& each : candidates)
       if (number(gaits, each.gait) == gaits.size()) gaits.push_back(each.gait);
-    const std::vector<const Candidate*> sure = likely(candidates, gaits, probabilities, place.size());
-    const std::vector<Attempt> attempts = this->attempts(candidates, gaits, sure, std::max<std::size_t>(top, 1), place);
+    const std::vector<const Candidate*> sure = firsts_of_likely(candidates, gaits, probabilities, place.size());
+    const std::vector<Attempt> attempts = this->attempts(candidates, gaits, sure, probabilities, std::max<std::size_t>(top, 1), place);
     const Attempt& solved = *std::min_element(attempts.begin(), attempts.end(), earlier);
     const Attempt& least = *std::min_element(attempts.begin(), attempts.end(), cheaper);
     // Of gaits that tie, the one that `select` names.
@@ -95,17 +95,16 @@ class Planner {
  private:
   // Relative cost that another one must promise to save, and for which it is solved from a second start.
   static constexpr double least_saving = 1e-3, great_saving = 0.5;
-  static constexpr std::size_t likeliest = 2;  // gaits that are tried over many axes whatever they may cost
+  // Probabilities from which on a gait is tried over many axes whatever it may cost, and below which only if it is first.
+  static constexpr double likely = 0.1, unlikely = 0.003;
 
-  // The first candidate that the atlas knows of each of the likeliest gaits; of none over few axes.
-  static std::vector<const Candidate*> likely(const std::vector<Candidate>& candidates, Indices gaits,
-                                              const std::vector<float>& probabilities, std::size_t axes) {
+  // The first candidate that the atlas knows of each likely gait; of none over few axes.
+  static std::vector<const Candidate*> firsts_of_likely(const std::vector<Candidate>& candidates, const Indices& gaits,
+                                                        const std::vector<float>& probabilities, std::size_t axes) {
     std::vector<const Candidate*> firsts;
     if (axes <= AtlasView::near_axes) return firsts;
-    const auto likelier = [&](std::size_t one, std::size_t other) { return probabilities[one] > probabilities[other]; };
-    std::stable_sort(gaits.begin(), gaits.end(), likelier);
-    gaits.resize(std::min(gaits.size(), likeliest));
     for (const std::size_t gait : gaits) {
+      if (!(static_cast<double>(probabilities[gait]) >= likely)) continue;
       const auto known = [&](const Candidate& each) { return each.gait == gait && each.sheet; };
       const auto first = std::find_if(candidates.begin(), candidates.end(), known);
       if (first != candidates.end()) firsts.push_back(&*first);
@@ -115,9 +114,10 @@ class Planner {
 
   // The candidates of the first `top` gaits in order until one is refined; then each one left that may cost less than
   // the cheapest so far, and the `sure` ones, the most promising first: before a cliff of the cost and across its kinks
-  // predictions are far off.
+  // predictions are far off. Over many axes unlikely ones are spared.
   std::vector<Attempt> attempts(const std::vector<Candidate>& candidates, const Indices& gaits,
-                                const std::vector<const Candidate*>& sure, std::size_t top, const Vector& place) {
+                                const std::vector<const Candidate*>& sure, const std::vector<float>& probabilities,
+                                std::size_t top, const Vector& place) {
     std::vector<Attempt> done;
     std::vector<const Candidate*> left;
     for (const Candidate& each : candidates) {
@@ -129,7 +129,11 @@ class Planner {
     }
     if (!done.back().refined()) return done;
     std::vector<std::pair<double, const Candidate*>> rivals;
-    for (const Candidate* each : left) rivals.emplace_back(refiner_.least(*each, place), each);
+    for (const Candidate* each : left) {
+      const bool is_spared = each->gait != candidates.front().gait && place.size() > AtlasView::near_axes &&
+                             static_cast<double>(probabilities[each->gait]) < unlikely;
+      if (!is_spared) rivals.emplace_back(refiner_.least(*each, place), each);
+    }
     std::stable_sort(rivals.begin(), rivals.end(), [](const auto& one, const auto& other) { return one.first < other.first; });
     double cost = done.back().cost;
     for (const auto& [least, rival] : rivals) {
