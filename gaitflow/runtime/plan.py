@@ -127,7 +127,7 @@ def refine_ranked(
     Only those of the first `top` gaits are tried so. Then all others that may cost less than that came to are refined
     as well, and the cheapest one is taken if it does: before a cliff of the cost and across its kinks predictions are
     far off, and their nodes disagree. Over more than NEAR_AXES axes `likely` gaits are refined in any case, and
-    `unlikely` ones are not.
+    `unlikely` ones only if they come first.
     IPOPT is asked only when the fast method has failed for all of them, once a gait: where the first gait has no
     motion, as beyond its longest stride, it takes a second to find that out, and a planner cannot wait for it.
     """

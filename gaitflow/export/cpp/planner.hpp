@@ -70,7 +70,8 @@ class Planner {
     for (const Candidate& each : candidates)
       if (number(gaits, each.gait) == gaits.size()) gaits.push_back(each.gait);
     const std::vector<const Candidate*> sure = firsts_of_likely(candidates, gaits, probabilities, place.size());
-    const std::vector<Attempt> attempts = this->attempts(candidates, gaits, sure, probabilities, std::max<std::size_t>(top, 1), place);
+    const std::size_t most = std::max<std::size_t>(top, 1);
+    const std::vector<Attempt> attempts = this->attempts(candidates, gaits, sure, probabilities, most, place);
     const Attempt& solved = *std::min_element(attempts.begin(), attempts.end(), earlier);
     const Attempt& least = *std::min_element(attempts.begin(), attempts.end(), cheaper);
     // Of gaits that tie, the one that `select` names.
