@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TextIO
 
@@ -49,12 +49,13 @@ def kept_plans(path: Path, manifest: Manifest, asked: Sequence[Asked]) -> Iterat
 
 def _read(path: Path, head: str) -> list[Planned]:
     """The plans below a head, up to a line that is not whole."""
-    lines = path.read_text(encoding="utf-8").split("\n") if path.exists() else []
+    lines = path.read_bytes().split(b"\n") if path.exists() else []
     plans: list[Planned] = []
-    if lines and lines[0] == head:
-        for line in lines[1:-1]:  # a whole line ends, so nothing is after the last end
-            gait, cost = json.loads(line)
-            plans.append((gait, cost))
+    if lines and lines[0] == head.encode():
+        with suppress(ValueError):  # of a damaged line
+            for line in lines[1:-1]:  # a whole line ends, so nothing is after the last end
+                gait, cost = json.loads(line)
+                plans.append((gait, cost))
     return plans
 
 

@@ -34,7 +34,8 @@ def known_gaits(artifact: Artifact, task: Mapping[str, float]) -> tuple[Known, .
     place: Array = np.array([task[axis] for axis in atlas.axes])
     costs, _ = atlas.costs(place)
     found = []
-    for number in atlas.ranked(place, artifact.classifier(place[None, :].astype(np.float32))[0].tolist()):
+    chances = artifact.classifier(place[None, :].astype(np.float32))[0].tolist()
+    for number in atlas.ranked(place, chances):
         sheet = atlas.sheets[number]
         nearest = int(np.argmin(np.linalg.norm((sheet.tasks - place) / atlas.steps, axis=1)))
         node = dict(zip(atlas.axes, sheet.tasks[nearest].tolist(), strict=True))

@@ -299,7 +299,7 @@ class GaitMap:
 
     def _warm_start(self, gait: str, task: Mapping[str, float]) -> WarmStart:
         index, atlas, place = self._names.index(gait), self._artifact.atlas, self._place(task)
-        ranked = atlas.ranked(place, self._probabilities(place))
+        ranked = atlas.ranked(place, self._probabilities(place) if atlas.is_wide else None)
         own = [sheet for sheet in ranked if atlas.sheets[sheet].gait == index]
         predicted = atlas.predict(own[0], place) if own else None
         if predicted is None:

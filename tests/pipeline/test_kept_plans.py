@@ -50,6 +50,16 @@ def test_a_line_that_was_cut_off_is_dropped(tmp_path: Path) -> None:
         assert path.read_bytes() == whole
 
 
+@pytest.mark.parametrize("damaged", [b"\xff\xfe", b"[1, 2, 3]", b"{"])
+def test_nothing_is_taken_from_a_damaged_line_on(tmp_path: Path, damaged: bytes) -> None:
+    path = tmp_path / "plans.jsonl"
+    filled(path)
+    head, first, second, _ = path.read_bytes().split(b"\n")
+    path.write_bytes(b"\n".join([head, first, damaged, second, b""]))
+    with kept_plans(path, manifest(), ASKED) as kept:
+        assert kept.plans == [TROT]
+
+
 @pytest.mark.parametrize("changed", ["map", "tasks", "code"])
 def test_plans_of_something_else_are_dropped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, changed: str) -> None:
     path = tmp_path / "plans.jsonl"

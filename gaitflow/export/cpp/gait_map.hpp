@@ -160,7 +160,8 @@ class GaitMap {
     check(place);
     const std::size_t number = number_of(gait);
     const AtlasView atlas(map_.atlas);
-    for (const Sheet* sheet : atlas.ranked(place, probabilities(place))) {
+    const bool is_wide = axes_.size() > AtlasView::near_axes;  // over few axes no probability counts
+    for (const Sheet* sheet : atlas.ranked(place, is_wide ? probabilities(place) : std::vector<float>())) {
       if (sheet->gait != number) continue;
       Vector point;
       double cost = 0;
