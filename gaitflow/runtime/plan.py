@@ -26,7 +26,7 @@ LEAST_SAVING = 1e-3  # relative cost that another candidate must promise, and co
 GREAT_SAVING = 0.5  # relative cost for which it is solved from a second start
 # Over more than NEAR_AXES axes predictions between nodes so far apart mislead: a gait that is so probably the best is
 # tried there whatever it may cost, and one that hardly is the best is tried only if it comes first.
-LIKELY, UNLIKELY = 0.1, 0.003
+LIKELY, UNLIKELY = 0.05, 0.003
 
 
 @dataclass(frozen=True)

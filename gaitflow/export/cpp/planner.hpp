@@ -97,7 +97,7 @@ class Planner {
   // Relative cost that another one must promise to save, and for which it is solved from a second start.
   static constexpr double least_saving = 1e-3, great_saving = 0.5;
   // Probabilities from which on a gait is tried over many axes whatever it may cost, and below which only if it is first.
-  static constexpr double likely = 0.1, unlikely = 0.003;
+  static constexpr double likely = 0.05, unlikely = 0.003;
 
   // The first candidate that the atlas knows of each likely gait; of none over few axes.
   static std::vector<const Candidate*> firsts_of_likely(const std::vector<Candidate>& candidates, const Indices& gaits,
