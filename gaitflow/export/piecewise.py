@@ -67,17 +67,27 @@ def piecewise(problem: SeparableProblem, pieces: Pieces) -> dict[str, tuple[list
 
 
 def _sum(parts: Sequence[_Values], rows: int, columns: int) -> Any:
-    """The sparse matrix of all values."""
-    flat = [part.places[1] * rows + part.places[0] for part in parts]  # column by column, as CasADi keeps them
-    known, _ = np.unique(np.concatenate(flat), return_inverse=True)
-    sparsity = casadi.Sparsity.triplet(rows, columns, (known % rows).tolist(), (known // rows).tolist())
-    total = casadi.MX.zeros(len(known))
-    for part, places in zip(parts, flat, strict=True):
-        if len(places):
-            to = np.searchsorted(known, places).tolist()
-            adding = casadi.Sparsity.triplet(len(known), len(places), to, list(range(len(places))))
-            total += casadi.DM(adding, part.weights) @ part.numbers
-    return casadi.MX(sparsity, total)
+    """The sparse matrix of all values: the first two of a place are gathered, further ones a sparse product adds."""
+    flat = np.concatenate([part.places[1] * rows + part.places[0] for part in parts])  # as CasADi keeps them
+    known, first, place, count = np.unique(flat, return_index=True, return_inverse=True, return_counts=True)
+    zero = len(flat)
+    numbers = casadi.vertcat(*(_weighted(part) for part in parts), casadi.MX(1, 1))
+    total = numbers[first.tolist()]
+    order = np.argsort(place, kind="stable")  # all numbers of the first place, those of the second one, ...
+    starts = np.cumsum(count) - count
+    if len(known) and count.max() > 1:
+        total += numbers[np.where(count > 1, order[np.minimum(starts + 1, zero - 1)], zero).tolist()]
+    further = order[np.arange(len(order)) - np.repeat(starts, count) > 1]
+    if len(further):
+        many = np.flatnonzero(count > 2)
+        to = np.searchsorted(many, place[further]).tolist()
+        adding = casadi.Sparsity.triplet(len(many), len(further), to, list(range(len(further))))
+        total[many.tolist()] += casadi.DM(adding, 1.0) @ numbers[further.tolist()]
+    return casadi.MX(casadi.Sparsity.triplet(rows, columns, (known % rows).tolist(), (known // rows).tolist()), total)
+
+
+def _weighted(part: _Values) -> Any:
+    return part.numbers if np.all(part.weights == 1) else part.numbers * casadi.DM(part.weights)
 
 
 def _rest(rest: Any, w: Any, task: Any, multipliers: Any) -> _Part:

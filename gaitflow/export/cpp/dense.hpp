@@ -2,8 +2,26 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 namespace gaitflow::dense {
+
+// Numbers that the processor handles at once, by an extension that GCC and Clang have: in plain loops they make half of
+// the speed of it.
+#if defined(__AVX512F__)
+constexpr std::size_t lanes = 8;
+#elif defined(__AVX__)
+constexpr std::size_t lanes = 4;
+#else
+constexpr std::size_t lanes = 2;
+#endif
+typedef double Lanes __attribute__((vector_size(lanes * sizeof(double)), aligned(sizeof(double)), may_alias));
+
+// Columns are kept in whole blocks of so many rows, so that loops over rows have no rest; `panel` columns are handled at
+// once, so that what is read is used more than once.
+constexpr std::size_t block = lanes < 4 ? 4 : 8, panel = 4;
+
+inline std::size_t padded(std::size_t rows) { return (rows + block - 1) / block * block; }
 
 // The product of two vectors, by four sums that do not wait for each other.
 inline double product(const double* __restrict one, const double* __restrict other, std::size_t count) {
@@ -15,24 +33,29 @@ inline double product(const double* __restrict one, const double* __restrict oth
   return (sums[0] + sums[1]) + (sums[2] + sums[3]);
 }
 
-// target += from.
-inline void add(double* __restrict target, const double* __restrict from, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) target[i] += from[i];
+// target[to[i]] += from[i] for i from `first` on.
+inline void scatter(double* __restrict target, const double* __restrict from, const std::uint32_t* __restrict to,
+                    std::size_t first, std::size_t count) {
+  for (std::size_t i = first; i < count; ++i) target[to[i]] += from[i];
 }
 
-// Two columns -= the products of as many columns of L with a factor for each.
-template <std::size_t columns>
-inline void subtract(double* __restrict one, double* __restrict other, const double* __restrict from,
-                     std::size_t rows, const double* __restrict factors, const double* __restrict others,
-                     std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i) {
-    double sum = one[i], second = other[i];
-    for (std::size_t k = 0; k < columns; ++k) {
-      sum -= from[k * rows + i] * factors[k];
-      second -= from[k * rows + i] * others[k];
+// One block of rows of `columns` columns: the target's, or zeros, minus `left` times the weights. left has `count` columns
+// and weights has `panel` numbers for each of them; columns of target and left are a stride apart.
+template <std::size_t columns, bool from_zeros>
+inline void subtract_product(double* __restrict target, std::size_t stride, const double* __restrict left,
+                             std::size_t left_stride, const double* __restrict weights, std::size_t count) {
+  constexpr std::size_t parts = block / lanes;
+  Lanes sums[columns][parts] = {};
+  for (std::size_t k = 0; k < count; ++k, left += left_stride, weights += panel)
+    for (std::size_t part = 0; part < parts; ++part) {
+      const Lanes rows = *reinterpret_cast<const Lanes*>(left + part * lanes);
+      for (std::size_t c = 0; c < columns; ++c) sums[c][part] += rows * weights[c];
     }
-    one[i] = sum, other[i] = second;
-  }
+  for (std::size_t c = 0; c < columns; ++c)
+    for (std::size_t part = 0; part < parts; ++part) {
+      Lanes& own = *reinterpret_cast<Lanes*>(target + c * stride + part * lanes);
+      own = from_zeros ? -sums[c][part] : own - sums[c][part];
+    }
 }
 
 }  // namespace gaitflow::dense

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
 #include <utility>
 #include <vector>
@@ -17,9 +18,9 @@ namespace gaitflow {
 // Unknowns by their place in the order of elimination: those that a front eliminates are first, ..., first + width - 1.
 struct Front {
   std::size_t first, width;
-  Indices later;        // the others that it meets, rising
-  std::size_t parent;   // in the list of fronts, whose size it is at a root
-  Indices in_parent;    // the row of each of `later` in the parent's front
+  Indices later;  // the others that it meets, rising
+  std::size_t parent;  // in the list of fronts, whose size it is at a root
+  std::vector<std::uint32_t> in_parent;  // the row of each of `later` in the parent's front; small, as read often
 
   std::size_t rows() const { return width + later.size(); }
 };
@@ -43,7 +44,7 @@ struct Joined {
 inline bool worth_joining(const Joined& child, const Joined& parent, double zeros) {
   const double width = static_cast<double>(child.columns.size() + parent.columns.size());
   const double entries = width * ((width + 1) / 2 + static_cast<double>(parent.later.size()));
-  return zeros <= (width <= 4 ? 0.5 : width <= 16 ? 0.2 : 0.05) * entries;
+  return zeros <= (width <= 8 ? 0.6 : width <= 24 ? 0.4 : 0.2) * entries;
 }
 
 // Each unknown as a front of its own, in a tree: the later ones that it meets after all before it are eliminated.
@@ -136,7 +137,8 @@ inline Elimination eliminate(const std::vector<Indices>& neighbours, const Indic
     for (const std::size_t each : front.later) {
       const bool own = each < parent.first + parent.width;
       const auto at = std::lower_bound(parent.later.begin(), parent.later.end(), each) - parent.later.begin();
-      front.in_parent.push_back(own ? each - parent.first : parent.width + static_cast<std::size_t>(at));
+      front.in_parent.push_back(
+          static_cast<std::uint32_t>(own ? each - parent.first : parent.width + static_cast<std::size_t>(at)));
     }
   }
   return found;

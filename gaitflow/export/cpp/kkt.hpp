@@ -104,6 +104,8 @@ class Kkt {
       for (std::size_t k = 0; k < free_; ++k) left_[k] = right[k] - sums_[k];
       for (std::size_t k = 0; k < rows_; ++k)
         left_[free_ + k] = right[free_ + k] - row_sums_[k] - corner_[k] * solution[free_ + k];
+      const auto is_far = [](double each) { return !(std::abs(each) <= near); };
+      if (std::none_of(left_.begin(), left_.end(), is_far)) return;
       solve_once(left_, correction_);
       for (std::size_t k = 0; k < solution.size(); ++k) solution[k] += correction_[k];
     }
@@ -138,6 +140,7 @@ class Kkt {
   static constexpr double least_lift = 1e-4, raise = 8.0;
   static constexpr int corrections = 12, refinements = 1;
   static constexpr double rounding = 1e-14;  // of right sides
+  static constexpr double near = 1e-8;       // of what a solution leaves of them; rows may be off by 5e-7
 
   // Small, as all entries are read several times a step.
   struct HessianEntry {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -16,7 +17,8 @@ namespace gaitflow {
 // One sparsity, one order, one symbolic factorisation; however often it is factorised, no memory is taken.
 //
 // Multifrontal (Duff and Reid, 1983): fronts hold their columns of L as dense columns, and what a front leaves of later
-// unknowns waits on a stack for its parent.
+// unknowns, lower triangles of dense columns, waits on a stack for its parent. There are two stacks: a front's own is not
+// that of its children, so that neither has to move.
 class Ldlt {
  public:
   Ldlt() = default;
@@ -33,9 +35,8 @@ class Ldlt {
       std::sort(each.begin(), each.end());
       each.erase(std::unique(each.begin(), each.end()), each.end());
     }
-    elimination_ = eliminate(neighbours, minimum_degree(neighbours));
+    elimination_ = eliminate(neighbours, least_fill(neighbours));
     find_memory();
-    find_runs();
     find_slots(places);
     pivots_.resize(size), work_.assign(size, 0.0);
   }
@@ -48,13 +49,12 @@ class Ldlt {
   bool factorise() {
     for (std::size_t number = 0; number < elimination_.fronts.size(); ++number) {
       const Front& front = elimination_.fronts[number];
-      double* rest = stack_.data() + built_[number];
-      const std::size_t left = front.later.size();
-      std::fill_n(rest, triangle(left), 0.0);
-      for (const std::size_t child : children_[number]) add(child, front, factors_.data() + starts_[number], rest);
-      if (!eliminate_columns(front, factors_.data() + starts_[number])) return false;
-      subtract_products(front, factors_.data() + starts_[number], rest);
-      if (built_[number] != kept_[number]) std::copy_n(rest, triangle(left), stack_.data() + kept_[number]);
+      double* columns = factors_.data() + starts_[number];
+      for (const std::size_t child : children_[number]) add_to_columns(child, front, columns);
+      if (!eliminate_columns(front, columns)) return false;
+      double* rest = left_by(number);
+      find_rest(front, columns, rest);
+      for (const std::size_t child : children_[number]) add_to_rest(child, front, rest);
     }
     return true;
   }
@@ -85,7 +85,7 @@ class Ldlt {
   // work -= L * the unknowns that the front eliminates; met: room for what it leaves.
   static void forward(const Front& front, const double* __restrict column, double* __restrict work,
                       double* __restrict met) {
-    const std::size_t rows = front.rows(), width = front.width, left = front.later.size();
+    const std::size_t stride = dense::padded(front.rows()), width = front.width, left = front.later.size();
     const std::size_t* __restrict later = front.later.data();
     double* __restrict own = work + front.first;
     if (width == 1) {
@@ -93,7 +93,7 @@ class Ldlt {
       return;
     }
     std::fill_n(met, left, 0.0);
-    for (std::size_t k = 0; k < width; ++k, column += rows) {
+    for (std::size_t k = 0; k < width; ++k, column += stride) {
       const double value = own[k];
       for (std::size_t i = k + 1; i < width; ++i) own[i] -= column[i] * value;
       for (std::size_t i = 0; i < left; ++i) met[i] += column[width + i] * value;
@@ -104,7 +104,7 @@ class Ldlt {
   // The unknowns that the front eliminates -= L^T * the later ones.
   static void backward(const Front& front, const double* __restrict columns, double* __restrict work,
                        double* __restrict met) {
-    const std::size_t rows = front.rows(), width = front.width, left = front.later.size();
+    const std::size_t stride = dense::padded(front.rows()), width = front.width, left = front.later.size();
     const std::size_t* __restrict later = front.later.data();
     double* __restrict own = work + front.first;
     if (width == 1) {
@@ -115,42 +115,40 @@ class Ldlt {
     }
     for (std::size_t i = 0; i < left; ++i) met[i] = work[later[i]];
     for (std::size_t k = width; k-- > 0;) {
-      const double* __restrict column = columns + k * rows;
+      const double* __restrict column = columns + k * stride;
       own[k] -= dense::product(column + k + 1, own + k + 1, width - k - 1) + dense::product(column + width, met, left);
     }
   }
 
-  // Where each front's columns are, and on the stack what it leaves: while it is built, and until its parent takes it.
+  // Where each front's columns are, and on its stack what it leaves.
   void find_memory() {
     const std::vector<Front>& fronts = elimination_.fronts;
-    children_.resize(fronts.size());
-    std::size_t entries = 0, top = 0, highest = 0, widest = 0, most = 0;
+    children_.resize(fronts.size()), stack_of_.assign(fronts.size(), 0);
+    std::size_t entries = 0, widest = 0, most = 0;
     for (std::size_t number = 0; number < fronts.size(); ++number) {
       const Front& front = fronts[number];
-      const std::size_t left = front.later.size();
       if (front.parent < fronts.size()) children_[front.parent].push_back(number);
       starts_.push_back(entries);
-      entries += front.rows() * front.width;
-      built_.push_back(top);
-      highest = std::max(highest, top + triangle(left));
-      kept_.push_back(children_[number].empty() ? top : kept_[children_[number].front()]);
-      top = kept_.back() + triangle(left);
-      widest = std::max(widest, front.width), most = std::max(most, left);
+      entries += dense::padded(front.rows()) * front.width;
+      widest = std::max(widest, front.width), most = std::max(most, front.later.size());
     }
-    factors_.resize(entries), stack_.resize(highest);
-    scaled_.resize(widest * most), met_.resize(most);
+    for (std::size_t number = fronts.size(); number-- > 0;)  // parents before their children
+      if (fronts[number].parent < fronts.size()) stack_of_[number] = 1 - stack_of_[fronts[number].parent];
+    std::array<std::size_t, 2> top{0, 0}, highest{0, 0};
+    for (std::size_t number = 0; number < fronts.size(); ++number) {
+      const std::size_t own = stack_of_[number], left = fronts[number].later.size();
+      if (!children_[number].empty()) top[1 - own] = rests_[children_[number].front()];
+      rests_.push_back(top[own]);
+      top[own] += dense::padded(left) * whole_panels(left);
+      highest[own] = std::max(highest[own], top[own]);
+    }
+    // A block or a panel at the end may reach beyond.
+    factors_.resize(entries + dense::block), weights_.resize(dense::panel * widest), met_.resize(most);
+    for (std::size_t own = 0; own < 2; ++own) stacks_[own].resize(highest[own]);
   }
 
-  void find_runs() {
-    for (const Front& front : elimination_.fronts) {
-      const Indices& to = front.in_parent;
-      Indices ends(to.size());
-      for (std::size_t i = to.size(); i-- > 0;) {
-        const bool goes_on = i + 1 < to.size() && to[i + 1] == to[i] + 1;
-        ends[i] = goes_on ? ends[i + 1] : i + 1;
-      }
-      runs_.push_back(std::move(ends));
-    }
+  static std::size_t whole_panels(std::size_t columns) {
+    return (columns + dense::panel - 1) / dense::panel * dense::panel;
   }
 
   void find_slots(const std::vector<std::pair<std::size_t, std::size_t>>& places) {
@@ -166,78 +164,94 @@ class Ldlt {
       const auto later = std::lower_bound(front.later.begin(), front.later.end(), high) - front.later.begin();
       const std::size_t at =
           high < front.first + front.width ? high - front.first : front.width + static_cast<std::size_t>(later);
-      slots_.push_back(starts_[front_of[low]] + (low - front.first) * front.rows() + at);
+      slots_.push_back(starts_[front_of[low]] + (low - front.first) * dense::padded(front.rows()) + at);
     }
   }
 
-  // What a child left, into its parent's columns and into what that one leaves.
-  void add(std::size_t child, const Front& parent, double* columns, double* rest) const {
-    const Indices& to = elimination_.fronts[child].in_parent;
-    const std::size_t count = to.size(), rows = parent.rows(), left = parent.later.size();
-    const double* from = stack_.data() + kept_[child];
-    for (std::size_t j = 0; j < count; from += count - j++) {
-      const bool own = to[j] < parent.width;
-      double* target = own ? columns + to[j] * rows : rest + column_of(to[j] - parent.width, left) - parent.width;
-      for (std::size_t i = j; i < count;) {
-        const std::size_t end = runs_[child][i];
-        dense::add(target + to[i], from - j + i, end - i);
-        i = end;
-      }
-    }
+  // What a front leaves: the rows of column j are a stride of its padded rows after those of j - 1.
+  double* left_by(std::size_t number) { return stacks_[stack_of_[number]].data() + rests_[number]; }
+
+  // What a child left of unknowns that its parent eliminates, into that one's columns.
+  void add_to_columns(std::size_t child, const Front& parent, double* columns) {
+    const auto& to = elimination_.fronts[child].in_parent;
+    const std::size_t count = to.size(), stride = dense::padded(parent.rows());
+    const double* from = left_by(child);
+    for (std::size_t j = 0; j < count && to[j] < parent.width; ++j)
+      dense::scatter(columns + to[j] * stride, from + j * dense::padded(count), to.data(), j, count);
   }
 
-  // Of a lower triangle kept by columns, without what is above: how many entries of `size` columns there are, and where
-  // row i of column j is after i.
-  static std::size_t triangle(std::size_t size) { return size * (size + 1) / 2; }
-  static std::size_t column_of(std::size_t j, std::size_t size) { return j * size - triangle(j); }
+  // What a child left of unknowns that its parent leaves, too.
+  void add_to_rest(std::size_t child, const Front& parent, double* rest) {
+    const auto& to = elimination_.fronts[child].in_parent;
+    const std::size_t count = to.size(), stride = dense::padded(parent.later.size());
+    const double* from = left_by(child);
+    for (std::size_t j = count; j-- > 0 && to[j] >= parent.width;)
+      dense::scatter(rest + (to[j] - parent.width) * stride - parent.width, from + j * dense::padded(count), to.data(), j,
+                     count);
+  }
 
-  // A front's columns of L, and its pivots.
+  // A front's columns of L, and its pivots: a panel of columns at once, first by those before it, then by its own.
   bool eliminate_columns(const Front& front, double* columns) {
-    const std::size_t rows = front.rows();
-    for (std::size_t k = 0; k < front.width; ++k) {
-      double* column = columns + k * rows;
-      const double pivot = pivots_[front.first + k] = column[k];
-      if (pivot == 0) return false;
-      for (std::size_t j = k + 1; j < front.width; ++j) {
-        const double factor = column[j] / pivot;
-        double* other = columns + j * rows;
-        for (std::size_t i = j; i < rows; ++i) other[i] -= column[i] * factor;
+    const std::size_t rows = front.rows(), stride = dense::padded(rows);
+    for (std::size_t first = 0; first < front.width; first += dense::panel) {
+      const std::size_t end = std::min(first + dense::panel, front.width);
+      if (first > 0) {
+        find_weights(front, columns, first, first);
+        switch (end - first) {
+          case 1: subtract_panel<1>(columns + first * stride, stride, columns, first, first); break;
+          case 2: subtract_panel<2>(columns + first * stride, stride, columns, first, first); break;
+          case 3: subtract_panel<3>(columns + first * stride, stride, columns, first, first); break;
+          default: subtract_panel<4>(columns + first * stride, stride, columns, first, first);
+        }
       }
-      for (std::size_t i = k + 1; i < rows; ++i) column[i] /= pivot;
+      for (std::size_t k = first; k < end; ++k) {
+        double* column = columns + k * stride;
+        const double pivot = pivots_[front.first + k] = column[k];
+        if (pivot == 0) return false;
+        for (std::size_t j = k + 1; j < end; ++j) {
+          const double factor = column[j] / pivot;
+          double* other = columns + j * stride;
+          for (std::size_t i = j; i < rows; ++i) other[i] -= column[i] * factor;
+        }
+        const double inverse = 1 / pivot;
+        for (std::size_t i = k + 1; i < rows; ++i) column[i] *= inverse;
+      }
     }
     return true;
   }
 
-  // rest -= L D L^T of the rows of later unknowns, a lower triangle; two columns of it by four columns of L at once, so
-  // that what is read is used more than once.
-  void subtract_products(const Front& front, const double* columns, double* rest) {
-    const std::size_t rows = front.rows(), left = front.later.size(), width = front.width;
-    for (std::size_t j = 0; j < left; ++j)
-      for (std::size_t k = 0; k < width; ++k)
-        scaled_[j * width + k] = columns[k * rows + width + j] * pivots_[front.first + k];
-    for (std::size_t j = 0; j < left; j += 2) {
-      const double *from = columns + width + j, *factor = scaled_.data() + j * width;
-      double* next = rest + (left - j);
-      for (std::size_t k = 0; k < width; ++k) rest[0] -= from[k * rows] * factor[k];
-      if (j + 1 == left) return;
-      std::size_t k = 0;
-      for (; k + 4 <= width; k += 4)
-        dense::subtract<4>(rest + 1, next, from + 1 + k * rows, rows, factor + k, factor + width + k, left - j - 1);
-      const double* last = from + 1 + k * rows;
-      if (k + 3 == width) dense::subtract<3>(rest + 1, next, last, rows, factor + k, factor + width + k, left - j - 1);
-      if (k + 2 == width) dense::subtract<2>(rest + 1, next, last, rows, factor + k, factor + width + k, left - j - 1);
-      if (k + 1 == width) dense::subtract<1>(rest + 1, next, last, rows, factor + k, factor + width + k, left - j - 1);
-      rest = next + (left - j - 1);
+  // rest = -L D L^T of the rows of later unknowns.
+  void find_rest(const Front& front, const double* columns, double* rest) {
+    const std::size_t stride = dense::padded(front.rows()), left = front.later.size(), rows = dense::padded(left);
+    for (std::size_t j = 0; j < left; j += dense::panel) {
+      find_weights(front, columns, front.width + j, front.width);
+      for (std::size_t i = j / dense::block * dense::block; i < left; i += dense::block)
+        dense::subtract_product<dense::panel, true>(rest + j * rows + i, rows, columns + front.width + i, stride,
+                                                    weights_.data(), front.width);
     }
+  }
+
+  // Of the rows of a panel in the first `count` columns of L: times their pivots.
+  void find_weights(const Front& front, const double* columns, std::size_t row, std::size_t count) {
+    const std::size_t stride = dense::padded(front.rows());
+    for (std::size_t k = 0; k < count; ++k)
+      for (std::size_t c = 0; c < dense::panel; ++c)
+        weights_[k * dense::panel + c] = columns[k * stride + row + c] * pivots_[front.first + k];
+  }
+
+  template <std::size_t count>
+  void subtract_panel(double* panel, std::size_t stride, const double* columns, std::size_t row, std::size_t before) {
+    for (std::size_t i = row / dense::block * dense::block; i < stride; i += dense::block)
+      dense::subtract_product<count, false>(panel + i, stride, columns + i, stride, weights_.data(), before);
   }
 
   std::size_t size_ = 0;
   Elimination elimination_;
-  std::vector<Indices> children_;     // of each front
-  std::vector<Indices> runs_;         // of each front: where rows end that stay next to each other in its parent
-  Indices starts_, built_, kept_;     // of each front: its columns in factors_, what it leaves on the stack
-  Indices slots_;                     // where the matrix's entries are added, in factors_
-  Vector factors_, stack_, pivots_, work_, scaled_, met_;
+  std::vector<Indices> children_;        // of each front
+  Indices starts_, stack_of_, rests_;    // of each front: its columns in factors_, its stack, there what it leaves
+  Indices slots_;                        // where the matrix's entries are added, in factors_
+  std::array<Vector, 2> stacks_;
+  Vector factors_, pivots_, work_, weights_, met_;
 };
 
 }  // namespace gaitflow
