@@ -143,7 +143,9 @@ class InteriorPoint {
   }
 
   // The larger absolute value; NaN where either is.
-  static double larger(double most, double value) { return std::abs(value) <= most ? most : std::abs(value); }
+  static double larger(double most, double value) {
+    return std::abs(value) <= most || std::isnan(most) ? most : std::abs(value);
+  }
 
   // Nothing but rows is left to be done.
   bool optimal() const { return dual_ <= dual_limit && products_ <= 3 * gap; }

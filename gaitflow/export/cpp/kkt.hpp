@@ -74,7 +74,8 @@ class Kkt {
   // H's diagonal until there are as many negative pivots as rows, as there are at a minimum. False where that fails.
   bool factorise(double unit, const Vector& variables, const Vector& unequal, bool correct) {
     const Vector &hessian = program_.hessian(), &jacobian = program_.jacobian();
-    for (HessianEntry& entry : hessian_) entry.value = hessian[entry.from] / unit;
+    const double scale = 1 / unit;
+    for (HessianEntry& entry : hessian_) entry.value = hessian[entry.from] * scale;
     for (JacobianEntry& entry : jacobian_) entry.value = jacobian[entry.from];
     double lift = primal, raised = std::max(least_lift, last_lift / 3);
     for (int tried = 0; tried < corrections; ++tried) {
@@ -104,8 +105,7 @@ class Kkt {
       for (std::size_t k = 0; k < free_; ++k) left_[k] = right[k] - sums_[k];
       for (std::size_t k = 0; k < rows_; ++k)
         left_[free_ + k] = right[free_ + k] - row_sums_[k] - corner_[k] * solution[free_ + k];
-      const auto is_far = [](double each) { return !(std::abs(each) <= near); };
-      if (std::none_of(left_.begin(), left_.end(), is_far)) return;
+      if (std::all_of(left_.begin(), left_.end(), [](double each) { return std::abs(each) <= near; })) return;
       solve_once(left_, correction_);
       for (std::size_t k = 0; k < solution.size(); ++k) solution[k] += correction_[k];
     }
@@ -140,7 +140,7 @@ class Kkt {
   static constexpr double least_lift = 1e-4, raise = 8.0;
   static constexpr int corrections = 12, refinements = 1;
   static constexpr double rounding = 1e-14;  // of right sides
-  static constexpr double near = 1e-8;       // of what a solution leaves of them; rows may be off by 5e-7
+  static constexpr double near = 1e-8;       // of what a solution leaves of them: less than a motion's digits
 
   // Small, as all entries are read several times a step.
   struct HessianEntry {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -164,7 +165,8 @@ class Ldlt {
       const auto later = std::lower_bound(front.later.begin(), front.later.end(), high) - front.later.begin();
       const std::size_t at =
           high < front.first + front.width ? high - front.first : front.width + static_cast<std::size_t>(later);
-      slots_.push_back(starts_[front_of[low]] + (low - front.first) * dense::padded(front.rows()) + at);
+      const std::size_t own = starts_[front_of[low]] + (low - front.first) * dense::padded(front.rows());
+      slots_.push_back(static_cast<std::uint32_t>(own + at));
     }
   }
 
@@ -249,7 +251,7 @@ class Ldlt {
   Elimination elimination_;
   std::vector<Indices> children_;        // of each front
   Indices starts_, stack_of_, rests_;    // of each front: its columns in factors_, its stack, there what it leaves
-  Indices slots_;                        // where the matrix's entries are added, in factors_
+  std::vector<std::uint32_t> slots_;     // where the matrix's entries are added, in factors_; small, as read often
   std::array<Vector, 2> stacks_;
   Vector factors_, pivots_, work_, weights_, met_;
 };
