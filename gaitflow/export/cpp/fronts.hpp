@@ -44,7 +44,7 @@ struct Joined {
 inline bool worth_joining(const Joined& child, const Joined& parent, double zeros) {
   const double width = static_cast<double>(child.columns.size() + parent.columns.size());
   const double entries = width * ((width + 1) / 2 + static_cast<double>(parent.later.size()));
-  return zeros <= (width <= 8 ? 0.6 : width <= 24 ? 0.4 : 0.2) * entries;
+  return zeros <= (width <= 6 ? 0.6 : width <= 16 ? 0.4 : 0.1) * entries;
 }
 
 // Each unknown as a front of its own, in a tree: the later ones that it meets after all before it are eliminated.

@@ -46,15 +46,16 @@ class Kkt {
     for (std::size_t row = 0; row < rows_; ++row)
       if (!joins[row]) kept_.push_back(row);
     for (std::size_t k = 0; k < hessian_.size(); ++k) {
-      HessianEntry& entry = hessian_[k];
-      entry.twice = groups_[entry.top] == groups_[entry.left] && entry.top != entry.left;
+      const HessianEntry& entry = hessian_[k];
+      if (groups_[entry.top] == groups_[entry.left] && entry.top != entry.left) twice_.push_back(k);
       if (moves[entry.top] || moves[entry.left]) hessian_of_paths_.push_back(k);
     }
-    for (std::size_t k = 0; k < jacobian_.size(); ++k) {
-      JacobianEntry& entry = jacobian_[k];
-      entry.kept = !joins[entry.row];
-      if (moves[entry.column] && entry.kept) jacobian_of_paths_.push_back(k);
-    }
+    const auto is_kept = [&](const JacobianEntry& entry) { return !joins[entry.row]; };
+    const auto others = std::stable_partition(jacobian_.begin(), jacobian_.end(), is_kept);
+    kept_entries_ = static_cast<std::size_t>(others - jacobian_.begin());
+    for (std::size_t k = 0; k < kept_entries_; ++k)
+      if (moves[jacobian_[k].column]) jacobian_of_paths_.push_back(k);
+    hessian_values_.resize(hessian_.size()), jacobian_values_.resize(jacobian_.size());
     build();
     diagonal_.resize(free_), offsets_.resize(free_), sums_.resize(free_);
     row_sums_.resize(rows_), reduced_.resize(free_ + rows_), joined_.resize(ldlt_.size());
@@ -75,15 +76,15 @@ class Kkt {
   bool factorise(double unit, const Vector& variables, const Vector& unequal, bool correct) {
     const Vector &hessian = program_.hessian(), &jacobian = program_.jacobian();
     const double scale = 1 / unit;
-    for (HessianEntry& entry : hessian_) entry.value = hessian[entry.from] * scale;
-    for (JacobianEntry& entry : jacobian_) entry.value = jacobian[entry.from];
+    for (std::size_t k = 0; k < hessian_.size(); ++k) hessian_values_[k] = hessian[hessian_[k].from] * scale;
+    for (std::size_t k = 0; k < jacobian_.size(); ++k) jacobian_values_[k] = jacobian[jacobian_[k].from];
     double lift = primal, raised = std::max(least_lift, last_lift / 3);
     for (int tried = 0; tried < corrections; ++tried) {
       std::size_t place = 0;
       ldlt_.clear();
-      for (const HessianEntry& entry : hessian_) ldlt_.at(place++) += entry.twice ? 2 * entry.value : entry.value;
-      for (const JacobianEntry& entry : jacobian_)
-        if (entry.kept) ldlt_.at(place++) += entry.value;
+      for (const double value : hessian_values_) ldlt_.at(place++) += value;
+      for (const std::size_t k : twice_) ldlt_.at(k) += hessian_values_[k];
+      for (std::size_t k = 0; k < kept_entries_; ++k) ldlt_.at(place++) += jacobian_values_[k];
       for (std::size_t i = 0; i < free_; ++i) ldlt_.at(place++) += diagonal_[i] = variables[i] + lift;
       for (const std::size_t row : kept_)
         ldlt_.at(place++) += corner_[row] = row < equal_ ? -dual : -unequal[row - equal_] - dual;
@@ -145,13 +146,9 @@ class Kkt {
   // Small, as all entries are read several times a step.
   struct HessianEntry {
     std::uint32_t from, top, left;  // its place among the program's values; two free variables, top <= left
-    bool twice;                     // two variables that are one unknown meet on the diagonal, from both sides
-    double value;
   };
   struct JacobianEntry {
     std::uint32_t from, row, column;
-    bool kept;
-    double value;
   };
 
   static std::uint32_t small(std::size_t number) { return static_cast<std::uint32_t>(number); }
@@ -161,20 +158,22 @@ class Kkt {
   void times(const Vector& variables, const double* multipliers, bool of_paths) {
     for (std::size_t i = 0; i < free_; ++i) sums_[i] = diagonal_[i] * variables[i];
     std::fill(row_sums_.begin(), row_sums_.end(), 0.0);
-    const auto add_hessian = [&](const HessianEntry& entry) {
-      sums_[entry.top] += entry.value * variables[entry.left];
-      if (entry.top != entry.left) sums_[entry.left] += entry.value * variables[entry.top];
+    const auto add_hessian = [&](std::size_t k) {
+      const HessianEntry& entry = hessian_[k];
+      sums_[entry.top] += hessian_values_[k] * variables[entry.left];
+      if (entry.top != entry.left) sums_[entry.left] += hessian_values_[k] * variables[entry.top];
     };
-    const auto add_jacobian = [&](const JacobianEntry& entry) {
-      if (multipliers) sums_[entry.column] += entry.value * multipliers[entry.row];
-      row_sums_[entry.row] += entry.value * variables[entry.column];
+    const auto add_jacobian = [&](std::size_t k) {
+      const JacobianEntry& entry = jacobian_[k];
+      if (multipliers) sums_[entry.column] += jacobian_values_[k] * multipliers[entry.row];
+      row_sums_[entry.row] += jacobian_values_[k] * variables[entry.column];
     };
     if (of_paths) {
-      for (const std::size_t k : hessian_of_paths_) add_hessian(hessian_[k]);
-      for (const std::size_t k : jacobian_of_paths_) add_jacobian(jacobian_[k]);
+      for (const std::size_t k : hessian_of_paths_) add_hessian(k);
+      for (const std::size_t k : jacobian_of_paths_) add_jacobian(k);
     } else {
-      for (const HessianEntry& entry : hessian_) add_hessian(entry);
-      for (const JacobianEntry& entry : jacobian_) add_jacobian(entry);
+      for (std::size_t k = 0; k < hessian_.size(); ++k) add_hessian(k);
+      for (std::size_t k = 0; k < jacobian_.size(); ++k) add_jacobian(k);
     }
   }
 
@@ -200,7 +199,7 @@ class Kkt {
     for (std::size_t k = 0; k < hessian.size(); ++k) {
       const auto& [top, left] = program_.hessian_places()[k];
       if (variable[top] == none || variable[left] == none || (hessian[k] == 0 && program_.hessian()[k] == 0)) continue;
-      hessian_.push_back({small(k), small(variable[top]), small(variable[left]), false, 0.0});
+      hessian_.push_back({small(k), small(variable[top]), small(variable[left])});
     }
     std::vector<Entry> constant;  // or NaN
     for (std::size_t k = 0; k < jacobian.size(); ++k) {
@@ -208,7 +207,7 @@ class Kkt {
       const std::size_t column = variable[program_.jacobian_places()[k].second];
       const double value = jacobian[k], other = program_.jacobian()[k];
       if (at == none || column == none || (value == 0 && other == 0)) continue;
-      jacobian_.push_back({small(k), small(at), small(column), false, 0.0});
+      jacobian_.push_back({small(k), small(at), small(column)});
       if (at < equal_) constant.push_back({at, column, value == other ? value : std::nan("")});
     }
     paths_ = Paths(constant, equal_, free_);
@@ -220,8 +219,8 @@ class Kkt {
     for (std::size_t i = 0; i < kept_.size(); ++i) number[kept_[i]] = unknowns_ + i;
     Places places;
     for (const HessianEntry& entry : hessian_) places.emplace_back(groups_[entry.top], groups_[entry.left]);
-    for (const JacobianEntry& entry : jacobian_)
-      if (entry.kept) places.emplace_back(groups_[entry.column], number[entry.row]);
+    for (std::size_t k = 0; k < kept_entries_; ++k)
+      places.emplace_back(groups_[jacobian_[k].column], number[jacobian_[k].row]);
     for (const std::size_t group : groups_) places.emplace_back(group, group);
     for (const std::size_t row : kept_) places.emplace_back(number[row], number[row]);
     ldlt_ = Ldlt(unknowns_ + kept_.size(), places);
@@ -230,8 +229,11 @@ class Kkt {
   Program& program_;
   std::size_t free_, equal_, rows_, unknowns_ = 0;
   std::vector<HessianEntry> hessian_;
-  std::vector<JacobianEntry> jacobian_;
+  std::vector<JacobianEntry> jacobian_;           // those of kept rows first
+  std::size_t kept_entries_ = 0;
+  Indices twice_;                                 // of the Hessian: between two variables that are one unknown
   Indices hessian_of_paths_, jacobian_of_paths_;  // those of kept rows that meet a variable on a path
+  Vector hessian_values_, jacobian_values_;
   Paths paths_;
   Indices groups_, kept_;  // the unknown of each variable; the rows that join none
   Ldlt ldlt_;
