@@ -18,8 +18,8 @@ namespace gaitflow {
 // Unknowns by their place in the order of elimination: those that a front eliminates are first, ..., first + width - 1.
 struct Front {
   std::size_t first, width;
-  Indices later;  // the others that it meets, rising
-  std::size_t parent;  // in the list of fronts, whose size it is at a root
+  Indices later;                         // the others that it meets, rising
+  std::size_t parent;                    // in the list of fronts, whose size it is at a root
   std::vector<std::uint32_t> in_parent;  // the row of each of `later` in the parent's front; small, as read often
 
   std::size_t rows() const { return width + later.size(); }

@@ -200,10 +200,10 @@ class Ldlt {
       if (first > 0) {
         find_weights(front, columns, first, first);
         switch (end - first) {
-          case 1: subtract_panel<1>(columns + first * stride, stride, columns, first, first); break;
-          case 2: subtract_panel<2>(columns + first * stride, stride, columns, first, first); break;
-          case 3: subtract_panel<3>(columns + first * stride, stride, columns, first, first); break;
-          default: subtract_panel<4>(columns + first * stride, stride, columns, first, first);
+          case 1: update_panel<1>(columns, stride, first); break;
+          case 2: update_panel<2>(columns, stride, first); break;
+          case 3: update_panel<3>(columns, stride, first); break;
+          default: update_panel<dense::panel>(columns, stride, first);
         }
       }
       for (std::size_t k = first; k < end; ++k) {
@@ -241,10 +241,12 @@ class Ldlt {
         weights_[k * dense::panel + c] = columns[k * stride + row + c] * pivots_[front.first + k];
   }
 
+  // `count` columns from `first` on, by those before them.
   template <std::size_t count>
-  void subtract_panel(double* panel, std::size_t stride, const double* columns, std::size_t row, std::size_t before) {
-    for (std::size_t i = row / dense::block * dense::block; i < stride; i += dense::block)
-      dense::subtract_product<count, false>(panel + i, stride, columns + i, stride, weights_.data(), before);
+  void update_panel(double* columns, std::size_t stride, std::size_t first) {
+    for (std::size_t i = first / dense::block * dense::block; i < stride; i += dense::block)
+      dense::subtract_product<count, false>(columns + first * stride + i, stride, columns + i, stride, weights_.data(),
+                                            first);
   }
 
   std::size_t size_ = 0;
