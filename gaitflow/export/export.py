@@ -26,7 +26,7 @@ READER = (
 )  # fmt: skip
 PLANNER = (
     "planner.hpp", "refine.hpp", "starts.hpp", "interior_point.hpp", "point.hpp", "kkt.hpp", "paths.hpp", "ldlt.hpp",
-    "dense.hpp", "fronts.hpp", "ordering.hpp", "program.hpp",
+    "dense.hpp", "fronts.hpp", "ordering.hpp", "short_rows.hpp", "program.hpp",
 )  # fmt: skip
 CMAKE = "gaitflow_map-config.cmake"
 LIBRARY = ("library.cpp", "CMakeLists.txt")

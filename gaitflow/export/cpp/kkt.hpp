@@ -4,7 +4,8 @@
 //     [ J_E         -d                   ]   equality rows [nE]
 //     [ J_I                     -D_I     ]   inequality rows [nI], their slacks eliminated
 //
-// As gaitflow/solvers/kkt.py: variables that move together are one unknown, the rows that join them none.
+// As gaitflow/solvers/kkt.py, but smaller: variables that move together are one unknown, the rows that join them none,
+// and inequality rows that few variables meet are part of H.
 #pragma once
 
 #include <algorithm>
@@ -20,6 +21,7 @@
 #include "map_data.hpp"
 #include "paths.hpp"
 #include "program.hpp"
+#include "short_rows.hpp"
 
 namespace gaitflow {
 
@@ -43,17 +45,25 @@ class Kkt {
       moves[node.variable] = true;
       if (node.sign != 0) joins[node.row] = true;
     }
-    for (std::size_t row = 0; row < rows_; ++row)
+    const std::vector<bool> is_short = find_short_rows(jacobian_, groups_, equal_, rows_);
+    for (std::size_t row = 0; row < rows_; ++row) {
       if (!joins[row]) kept_.push_back(row);
+      if (!joins[row] && !is_short[row]) in_matrix_.push_back(row);
+    }
     for (std::size_t k = 0; k < hessian_.size(); ++k) {
       const HessianEntry& entry = hessian_[k];
       if (groups_[entry.top] == groups_[entry.left] && entry.top != entry.left) twice_.push_back(k);
       if (moves[entry.top] || moves[entry.left]) hessian_of_paths_.push_back(k);
     }
-    const auto is_kept = [&](const JacobianEntry& entry) { return !joins[entry.row]; };
-    const auto others = std::stable_partition(jacobian_.begin(), jacobian_.end(), is_kept);
-    kept_entries_ = static_cast<std::size_t>(others - jacobian_.begin());
-    for (std::size_t k = 0; k < kept_entries_; ++k)
+    const auto place = [&](const JacobianEntry& entry) {
+      return joins[entry.row] ? rows_ + 1 : is_short[entry.row] ? 1 + entry.row : 0;
+    };
+    std::stable_sort(jacobian_.begin(), jacobian_.end(),
+                     [&](const auto& one, const auto& other) { return place(one) < place(other); });
+    std::size_t kept = 0;
+    for (const JacobianEntry& entry : jacobian_) entries_in_matrix_ += place(entry) == 0, kept += !joins[entry.row];
+    short_rows_ = ShortRows(jacobian_, entries_in_matrix_, kept, groups_);
+    for (std::size_t k = 0; k < kept; ++k)
       if (moves[jacobian_[k].column]) jacobian_of_paths_.push_back(k);
     hessian_values_.resize(hessian_.size()), jacobian_values_.resize(jacobian_.size());
     build();
@@ -78,17 +88,18 @@ class Kkt {
     const double scale = 1 / unit;
     for (std::size_t k = 0; k < hessian_.size(); ++k) hessian_values_[k] = hessian[hessian_[k].from] * scale;
     for (std::size_t k = 0; k < jacobian_.size(); ++k) jacobian_values_[k] = jacobian[jacobian_[k].from];
+    for (const std::size_t row : kept_) corner_[row] = row < equal_ ? -dual : -unequal[row - equal_] - dual;
     double lift = primal, raised = std::max(least_lift, last_lift / 3);
     for (int tried = 0; tried < corrections; ++tried) {
       std::size_t place = 0;
       ldlt_.clear();
       for (const double value : hessian_values_) ldlt_.at(place++) += value;
       for (const std::size_t k : twice_) ldlt_.at(k) += hessian_values_[k];
-      for (std::size_t k = 0; k < kept_entries_; ++k) ldlt_.at(place++) += jacobian_values_[k];
+      for (std::size_t k = 0; k < entries_in_matrix_; ++k) ldlt_.at(place++) += jacobian_values_[k];
       for (std::size_t i = 0; i < free_; ++i) ldlt_.at(place++) += diagonal_[i] = variables[i] + lift;
-      for (const std::size_t row : kept_)
-        ldlt_.at(place++) += corner_[row] = row < equal_ ? -dual : -unequal[row - equal_] - dual;
-      if (ldlt_.factorise() && (!correct || ldlt_.signs() == std::make_pair(kept_.size(), unknowns_))) {
+      for (const std::size_t row : in_matrix_) ldlt_.at(place++) += corner_[row];
+      short_rows_.add(ldlt_, place, jacobian_values_, corner_);
+      if (ldlt_.factorise() && (!correct || ldlt_.signs() == std::make_pair(in_matrix_.size(), unknowns_))) {
         last_lift = lift > primal ? lift : last_lift / 10;
         return true;
       }
@@ -126,11 +137,13 @@ class Kkt {
     }
     std::fill(joined_.begin(), joined_.end(), 0.0);
     for (std::size_t i = 0; i < free_; ++i) joined_[groups_[i]] += reduced_[i];
-    for (std::size_t i = 0; i < kept_.size(); ++i) joined_[unknowns_ + i] = reduced_[free_ + kept_[i]];
+    for (std::size_t i = 0; i < in_matrix_.size(); ++i) joined_[unknowns_ + i] = reduced_[free_ + in_matrix_[i]];
+    short_rows_.reduce(jacobian_values_, corner_, reduced_.data() + free_, joined_);
     ldlt_.solve(joined_);
     solution.assign(free_ + rows_, 0.0);
     for (std::size_t i = 0; i < free_; ++i) solution[i] = joined_[groups_[i]] + offsets_[i];
-    for (std::size_t i = 0; i < kept_.size(); ++i) solution[free_ + kept_[i]] = joined_[unknowns_ + i];
+    for (std::size_t i = 0; i < in_matrix_.size(); ++i) solution[free_ + in_matrix_[i]] = joined_[unknowns_ + i];
+    short_rows_.multipliers(jacobian_values_, corner_, reduced_.data() + free_, joined_, solution.data() + free_);
     times(solution, solution.data() + free_, true);
     for (std::size_t i = 0; i < free_; ++i) sums_[i] = right[i] - sums_[i];
     paths_.multipliers(sums_, solution.data() + free_);
@@ -147,10 +160,6 @@ class Kkt {
   struct HessianEntry {
     std::uint32_t from, top, left;  // its place among the program's values; two free variables, top <= left
   };
-  struct JacobianEntry {
-    std::uint32_t from, row, column;
-  };
-
   static std::uint32_t small(std::size_t number) { return static_cast<std::uint32_t>(number); }
 
   // (H + D_w) * variables + J^T * multipliers [nF] in sums_, J * variables [nE + nI] in row_sums_; of all entries, or
@@ -216,26 +225,29 @@ class Kkt {
   // The places of all entries, in the order in which `factorise` adds them.
   void build() {
     Indices number(rows_, 0);
-    for (std::size_t i = 0; i < kept_.size(); ++i) number[kept_[i]] = unknowns_ + i;
+    for (std::size_t i = 0; i < in_matrix_.size(); ++i) number[in_matrix_[i]] = unknowns_ + i;
     Places places;
     for (const HessianEntry& entry : hessian_) places.emplace_back(groups_[entry.top], groups_[entry.left]);
-    for (std::size_t k = 0; k < kept_entries_; ++k)
+    for (std::size_t k = 0; k < entries_in_matrix_; ++k)
       places.emplace_back(groups_[jacobian_[k].column], number[jacobian_[k].row]);
     for (const std::size_t group : groups_) places.emplace_back(group, group);
-    for (const std::size_t row : kept_) places.emplace_back(number[row], number[row]);
-    ldlt_ = Ldlt(unknowns_ + kept_.size(), places);
+    for (const std::size_t row : in_matrix_) places.emplace_back(number[row], number[row]);
+    short_rows_.places(places);
+    ldlt_ = Ldlt(unknowns_ + in_matrix_.size(), places);
   }
 
   Program& program_;
   std::size_t free_, equal_, rows_, unknowns_ = 0;
   std::vector<HessianEntry> hessian_;
-  std::vector<JacobianEntry> jacobian_;           // those of kept rows first
-  std::size_t kept_entries_ = 0;
+  std::vector<JacobianEntry> jacobian_;           // those in the matrix first, then those of short rows
+  std::size_t entries_in_matrix_ = 0;
   Indices twice_;                                 // of the Hessian: between two variables that are one unknown
-  Indices hessian_of_paths_, jacobian_of_paths_;  // those of kept rows that meet a variable on a path
+  Indices hessian_of_paths_, jacobian_of_paths_;  // those that meet a variable on a path
   Vector hessian_values_, jacobian_values_;
   Paths paths_;
-  Indices groups_, kept_;  // the unknown of each variable; the rows that join none
+  Indices groups_;            // the unknown of each variable
+  Indices kept_, in_matrix_;  // the rows that join none; those of them that are not short
+  ShortRows short_rows_;
   Ldlt ldlt_;
   Vector diagonal_, offsets_, sums_, row_sums_, reduced_, joined_, corner_, left_, correction_;
 };
