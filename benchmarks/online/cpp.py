@@ -8,6 +8,7 @@ import subprocess
 import tempfile
 import time
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -42,7 +43,7 @@ def run(artifact: Path, tasks: int = TASKS, seed: int = 0) -> dict[str, Any]:
     places = off_grid_places(gait_map.manifest.domain, tasks, seed)
     with tempfile.TemporaryDirectory() as scratch:
         program, build_s = built(artifact, Path(scratch))
-        lines = "".join(" ".join(repr(place[axis]) for axis in gait_map.axes) + "\n" for place in places)
+        lines = "".join(line_of(place, gait_map.axes) for place in places)
         done = run_program([str(program), str(program.parents[1] / "map" / "map.bin")], lines)
     warm_up(gait_map)
     rows = [
@@ -72,12 +73,37 @@ def built_library(export: Path, build: Path) -> Path:
     return build
 
 
+def line_of(place: Mapping[str, float], axes: Sequence[str]) -> str:
+    """A task as the programs of examples/cpp read it."""
+    return " ".join(repr(place[axis]) for axis in axes) + "\n"
+
+
 def run_program(command: Sequence[str], text: str = "") -> str:
     """What a program says to a text. Raises RuntimeError with its last words where it fails."""
     done = subprocess.run(command, input=text, capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(f"{' '.join(command)}: {(done.stdout + done.stderr)[-1000:]}")
     return done.stdout
+
+
+class AskedInTurn:
+    """A program of examples/cpp in a process of its own, asked line by line; it ends with this process."""
+
+    def __init__(self, command: Sequence[str]) -> None:
+        self._command = " ".join(command)
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, bufsize=1)
+
+    def __call__(self, line: str) -> dict[str, Any]:
+        """Its answer. Raises RuntimeError where it gives none."""
+        asked, told = self._process.stdin, self._process.stdout
+        assert asked is not None and told is not None
+        with suppress(BrokenPipeError):
+            asked.write(line)
+        answer = told.readline()
+        if not answer:
+            raise RuntimeError(f"{self._command}: ended with code {self._process.wait()} at {line!r}")
+        found: dict[str, Any] = json.loads(answer)
+        return found
 
 
 def _children_s() -> float:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,7 @@ import numpy as np
 from benchmarks import child
 from benchmarks.document import document
 from benchmarks.online import cpp, mean_start, plan_times
-from benchmarks.online.cpp import built, built_library, run_program
+from benchmarks.online.cpp import built, built_library
 from benchmarks.paper.fixed_gait import scenario_of
 from benchmarks.paper.table import off_grid_places
 from benchmarks.rows import Row, RowStore
@@ -34,8 +33,9 @@ NOTES = (
     f"A row a map, its newest version. {TASKS} tasks are random by `seed`, uniform in its domain, off its grid. Each "
     "is planned by GaitMap.plan in a process of one thread, there also by that of a map loaded with its `compiled` "
     "export, and by the exported C++ planner in another process. The export is built with -march=native. The first "
-    f"{BY_IPOPT} are solved by IPOPT, too, from the mean motion of the picked gait's region: in the first process, in "
-    "turn with the plans. All times are CPU times of a call [ms]; the plan's have choosing and checking in them.",
+    f"{BY_IPOPT} are solved by IPOPT, too, from the mean motion of the picked gait's region, in the first process. At "
+    "each task all of them take turns. All times are CPU times of a call [ms]; the plan's have choosing and checking "
+    "in them.",
     "python, compiled, cpp: IPOPT's time over the planner's. median: of that ratio over the tasks. p99: IPOPT's median "
     "over the 99th percentile of the planner. Solves that failed count with the time they took: ipopt_failed. slow, "
     "compiled_slow: plans that did not take the fast path. cpp_not_refined: plans that C++ could not refine, as it has "
@@ -78,23 +78,23 @@ def _row(artifact: Path, tasks: int, seed: int) -> Row:
     with tempfile.TemporaryDirectory() as scratch:
         planner, _ = built(artifact, Path(scratch))
         export = planner.parents[1] / "map"
-        about = {"artifact": str(artifact), "compiled": str(built_library(export, Path(scratch) / "library"))}
+        library = built_library(export, Path(scratch) / "library")
+        command = [str(planner), str(export / "map.bin")]
+        about = {"artifact": str(artifact), "compiled": str(library), "planner": command}
         with child.Child("benchmarks.online.mean_start:PlanAndMeanStart", about) as process:
             timed: list[Row] = process.call(TASK_LIMIT_S * tasks, tasks=list(places), by_ipopt=BY_IPOPT)
-        lines = "".join(" ".join(repr(place[axis]) for axis in loaded.axes) + "\n" for place in places)
-        answers = run_program([str(planner), str(export / "map.bin")], lines)
-    return compared(timed, [json.loads(answer) for answer in answers.splitlines()])
+    return compared(timed)
 
 
-def compared(timed: Sequence[Row], answers: Sequence[Mapping[str, Any]]) -> Row:
-    """The row of a map, from its tasks' rows of `PlanAndMeanStart` and answers of the C++ planner."""
+def compared(timed: Sequence[Row]) -> Row:
+    """The row of a map, from its tasks' rows of `PlanAndMeanStart`."""
     ipopt = np.array([row["ipopt_ms"] for row in timed if "ipopt_ms" in row])
     times = {
         "python": [row["plan_ms"] for row in timed],
         "compiled": [row["compiled_ms"] for row in timed],
         "alone": [row["alone_ms"] for row in timed],
         "compiled_alone": [row["compiled_alone_ms"] for row in timed],
-        "cpp": [each["cpu_us"] / 1e3 for each in answers],
+        "cpp": [row["cpp_ms"] for row in timed],
     }
     return {
         "ipopt_ms": _quantiles(ipopt),
@@ -102,7 +102,7 @@ def compared(timed: Sequence[Row], answers: Sequence[Mapping[str, Any]]) -> Row:
         "ipopt_failed": sum(not row.get("ipopt_solved", True) for row in timed),
         "slow": sum(row["plan_path"] != "fast" for row in timed),
         "compiled_slow": sum(row["compiled_path"] != "fast" for row in timed),
-        "cpp_not_refined": sum(not each["refined"] for each in answers),
+        "cpp_not_refined": sum(not row["cpp_refined"] for row in timed),
         "alone_dearer": sum(
             row["alone_path"] == "failed" or row["alone_cost"] > row["plan_cost"] * (1 + DEARER) for row in timed
         ),

@@ -36,6 +36,7 @@ void plan_all(const gaitflow::GaitMap& map) {
     for (std::size_t axis = 0; axis < place.size(); ++axis) print(map.axes()[axis].c_str(), place[axis]);
     if (plan.gait) print_plan(plan, cpu_us);
     std::printf("}\n");
+    std::fflush(stdout);  // for who waits for it at the other end of a pipe
   }
 }
 

@@ -24,3 +24,12 @@ def test_both_plan_the_same_tasks(pristine: Path) -> None:
 def test_a_program_that_fails_is_named() -> None:
     with pytest.raises(RuntimeError, match="false"):
         cpp.run_program(["false"])
+
+
+def test_a_program_answers_line_by_line_and_is_named_when_it_ends() -> None:
+    program = cpp.AskedInTurn(["cat"])
+    assert [program(f'{{"cost": {cost}}}\n') for cost in (1, 2)] == [{"cost": 1}, {"cost": 2}]
+    program = cpp.AskedInTurn(["false"])
+    for _ in range(2):
+        with pytest.raises(RuntimeError, match="false: ended with code 1"):
+            program("0.9 0.6\n")

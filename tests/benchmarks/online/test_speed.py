@@ -15,12 +15,13 @@ def test_ratios_are_of_each_task_and_of_the_slowest_plans() -> None:
     paths = {f"{way}_path": "fast" for way in ("plan", "compiled", "alone", "compiled_alone")}
     costs = {"plan_cost": 3.0, "alone_cost": 3.02}
     usual = {**paths, **costs, "compiled_ms": 1.0, "alone_ms": 0.5, "compiled_alone_ms": 0.25}
+    usual |= {"cpp_ms": 0.5, "cpp_refined": True}
     timed = [{**usual, "plan_ms": 2.0, "ipopt_ms": 20.0, "ipopt_solved": True} for _ in range(98)]
     timed.append({**timed[0], "alone_path": "failed"})
     last = {"plan_path": "next:1", "plan_ms": 80.0, "ipopt_ms": 40.0, "ipopt_solved": False, "alone_cost": 3.04}
+    last |= {"cpp_refined": False}
     timed.append({**usual, **last})
-    answers = [{"cpu_us": 500.0, "refined": True}] * 99 + [{"cpu_us": 500.0, "refined": False}]
-    row = speed.compared(timed, answers)
+    row = speed.compared(timed)
     assert row["python"]["median"] == 10.0 and row["cpp"] == {"median": 40.0, "p99": 40.0}
     assert row["python"]["p99"] == pytest.approx(20.0 / row["python_ms"]["p99"]) and row["python_ms"]["p99"] > 2.0
     assert (row["ipopt_failed"], row["slow"], row["cpp_not_refined"], row["compiled_slow"]) == (1, 1, 1, 0)
