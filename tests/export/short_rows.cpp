@@ -1,6 +1,6 @@
-// Solves a KKT system with the rows of short_rows.hpp left out of the matrix. In: the numbers of unknowns, equality and
-// inequality rows, then H, J_E and J_I row by row, the numbers of the rows' own, and the right side. Out: the solution, and how
-// many rows were short.
+// Solves a KKT system with the rows of short_rows.hpp left out of the matrix. In: how many unknowns, equality and
+// inequality rows there are, then H, J_E and J_I row by row, the diagonal entries of the rows, and the right side. Out:
+// the solution, and how many rows were short.
 #include <cstdio>
 #include <iostream>
 

@@ -82,7 +82,7 @@ class Kkt {
   }
 
   // Factorise it with the program's Hessian over `unit`, D_w = variables [nF] and D_I = unequal [nI]. `correct`: raise
-  // H's diagonal until there are as many negative pivots as rows, as there are at a minimum. False where that fails.
+  // H's diagonal until there are as many negative pivots as rows in it, as at a minimum. False where that fails.
   bool factorise(double unit, const Vector& variables, const Vector& unequal, bool correct) {
     const Vector &hessian = program_.hessian(), &jacobian = program_.jacobian();
     const double scale = 1 / unit;

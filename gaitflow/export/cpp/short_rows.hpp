@@ -1,6 +1,6 @@
 // Inequality rows that few variables meet, such as those of friction: eliminated before the matrix is factorised.
 //
-// A row v of J_I whose entry of -D_I is -d adds v^T v / d to H, and then has no place in the matrix.
+// A row v of J_I with the diagonal entry -d adds v^T v / d to H, and then has no place in the matrix.
 #pragma once
 
 #include <algorithm>
@@ -38,6 +38,7 @@ inline std::vector<bool> find_short_rows(const std::vector<JacobianEntry>& entri
   return is_short;
 }
 
+// The short rows of one gait, and their part in its matrix and right sides.
 class ShortRows {
  public:
   ShortRows() = default;
@@ -62,7 +63,7 @@ class ShortRows {
     }
   }
 
-  // Adds them, from the matrix's entry `place` on. values: of all entries; corner: -d of all rows.
+  // Adds them, from the matrix's entry `place` on. values: of all entries; corner: the diagonal entries -d of all rows.
   void add(Ldlt& matrix, std::size_t place, const Vector& values, const Vector& corner) const {
     const double* value = values.data() + first_;
     for (const Row& row : rows_) {
