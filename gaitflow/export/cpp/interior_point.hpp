@@ -26,6 +26,11 @@ struct Outcome {
   double cost;  // the program's
 };
 
+// The larger absolute value; NaN where either is, unlike std::max, so that a lost residual is not forgotten.
+inline double larger(double most, double value) {
+  return std::abs(value) <= most || std::isnan(most) ? most : std::abs(value);
+}
+
 // The problem of one gait in that gait's space. For one thread; takes memory only when it is made.
 class InteriorPoint {
  public:
@@ -140,11 +145,6 @@ class InteriorPoint {
     for (std::size_t i = 0; i < bounded_; ++i) dual_ = larger(dual_, slope_[i] - (point_.lower[i] - point_.upper[i]));
     for (const std::size_t i : space_.below) products_ += point_.lower[i] * to_lower_[i];
     for (const std::size_t i : space_.above) products_ += point_.upper[i] * to_upper_[i];
-  }
-
-  // The larger absolute value; NaN where either is.
-  static double larger(double most, double value) {
-    return std::abs(value) <= most || std::isnan(most) ? most : std::abs(value);
   }
 
   // Nothing but rows is left to be done.
