@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import struct
 import subprocess
 import zlib
@@ -13,10 +12,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cpp_program import lines, run
+from cpp_program import compiled, lines, run
 from trained import HIGH, LOW, NAMES, fitted, grid_tasks
 
-import gaitflow.export
 from gaitflow.export.classifier_data import ClassifierData, read_classifier
 from gaitflow.export.forest import Forest
 from gaitflow.export.map_file import map_bytes
@@ -27,7 +25,6 @@ from gaitflow.runtime.classifier import Classifier
 
 pytestmark = pytest.mark.slow
 
-HEADERS = Path(gaitflow.export.__file__).parent / "cpp"
 SOURCE = Path(__file__).parent / "probabilities.cpp"
 CARRIERS = {2: "half-cheetah-flat-effort/1.2.0", 3: "half-cheetah-exact-slopes/1.1.0"}  # a map by its number of axes
 LIES = (0, 1, 2, 3, 255, 2**20, 2**31, 2**32 - 1, 0x7F7FFFFF, 0xFF7FFFFF)  # the last two are the largest floats
@@ -37,24 +34,16 @@ MODELS = sorted(
 )
 
 
-def compiled(folder: Path, *flags: str) -> Path:
-    assert shutil.which("g++"), "g++ is missing, so the export cannot be tested: apt-get install g++"
-    command = ["g++", "-std=c++17", "-Wall", "-Wextra", "-Werror", *flags, f"-I{HEADERS}", str(SOURCE)]
-    done = subprocess.run([*command, "-o", str(folder / "program")], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return folder / "program"
-
-
 @pytest.fixture(scope="module")
 def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return compiled(tmp_path_factory.mktemp("program"), "-O2")
+    return compiled(SOURCE, tmp_path_factory.mktemp("program"), "-O2")
 
 
 @pytest.fixture(scope="module")
 def guarded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """With the address and undefined-behaviour sanitizers."""
     flags = ("-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
-    return compiled(tmp_path_factory.mktemp("guarded"), *flags)
+    return compiled(SOURCE, tmp_path_factory.mktemp("guarded"), *flags)
 
 
 @pytest.fixture(scope="module")

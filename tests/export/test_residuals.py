@@ -3,28 +3,20 @@
 from __future__ import annotations
 
 import math
-import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
-
-import gaitflow.export
+from cpp_program import compiled
 
 pytestmark = pytest.mark.slow
 
-HEADERS = Path(gaitflow.export.__file__).parent / "cpp"
 SOURCE = Path(__file__).parent / "residuals.cpp"
 
 
 @pytest.fixture(scope="module")
 def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    assert shutil.which("g++"), "g++ is missing, so the export cannot be tested: apt-get install g++"
-    built = tmp_path_factory.mktemp("program") / "program"
-    command = ["g++", "-std=c++17", "-O2", "-Wall", "-Wextra", "-Werror", f"-I{HEADERS}", str(SOURCE)]
-    done = subprocess.run([*command, "-o", str(built)], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return built
+    return compiled(SOURCE, tmp_path_factory.mktemp("program"), "-O2")
 
 
 @pytest.mark.parametrize(

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import shutil
 import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-import gaitflow.export
+from cpp_program import compiled
 
 pytestmark = pytest.mark.slow
 
-HEADERS = Path(gaitflow.export.__file__).parent / "cpp"
 SOURCE = Path(__file__).parent / "short_rows.cpp"
 UNKNOWNS, EQUAL = 20, 6
 MET = (0, 1, 2, 5, 9, 10, 11, 15)  # unknowns that each inequality row meets; up to ten are few
@@ -21,14 +18,7 @@ MET = (0, 1, 2, 5, 9, 10, 11, 15)  # unknowns that each inequality row meets; up
 
 @pytest.fixture(scope="module")
 def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    assert shutil.which("g++"), "g++ is missing, so the export cannot be tested: apt-get install g++"
-    built = tmp_path_factory.mktemp("program") / "program"
-    command = ["g++", "-std=c++17", "-O1", "-g", "-Wall", "-Wextra", "-Werror", "-fsanitize=address,undefined"]
-    done = subprocess.run(
-        [*command, f"-I{HEADERS}", str(SOURCE), "-o", str(built)], capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    return built
+    return compiled(SOURCE, tmp_path_factory.mktemp("program"), "-O1", "-g", "-fsanitize=address,undefined")
 
 
 @pytest.mark.parametrize("seed", range(5))

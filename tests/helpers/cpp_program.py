@@ -7,6 +7,9 @@ import subprocess
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+import gaitflow.export
+
+HEADERS = Path(gaitflow.export.__file__).parent / "cpp"
 EXAMPLES = Path(__file__).parents[2] / "examples" / "cpp"
 SANITIZED = "-O1 -g -Wall -Wextra -Werror -fno-sanitize-recover=all -fsanitize="
 
@@ -22,6 +25,15 @@ def built(export: Path, build: Path, program: str, flags: str = "", source: Path
         done = subprocess.run(["cmake", *command], capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout + done.stderr
     return build / program
+
+
+def compiled(source: Path, folder: Path, *flags: str) -> Path:
+    """One file that includes the exported headers, compiled on its own into a folder."""
+    assert shutil.which("g++"), "g++ is missing, so the export cannot be tested: apt-get install g++"
+    command = ["g++", "-std=c++17", "-Wall", "-Wextra", "-Werror", *flags, f"-I{HEADERS}", str(source)]
+    done = subprocess.run([*command, "-o", str(folder / "program")], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return folder / "program"
 
 
 def run(program: Path, map_file: Path, text: str) -> subprocess.CompletedProcess[str]:
