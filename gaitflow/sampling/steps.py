@@ -140,9 +140,9 @@ class Steps:
 
     @property
     def _is_ready(self) -> bool:
-        """Whether the last round found the map good enough to be prepared for a certificate."""
+        """Whether the last round found the map good enough to be prepared for a certificate; not before the start."""
         enough = self._since >= ENOUGH * self._tasks_of_next_look
-        return (self._quiet or enough) and not self._drawn
+        return (self._quiet or enough) and not self._drawn and not self._start
 
     def _prepare(self) -> bool:
         """Test the map and plan random picks, once a round; whether it lacked a gait at one of the last draw."""

@@ -263,6 +263,18 @@ def test_a_map_begun_from_many_searches_is_tested_at_once(making: Making) -> Non
     assert begun(making, tasks_of(making.scenario)).next_kind(1000) == "doubt", "those of the start do not count"
 
 
+def test_a_map_is_not_tested_before_its_start_is_searched(making: Making, monkeypatch: pytest.MonkeyPatch) -> None:
+    lacking = [Suspect(tasks(making, 1)[0], frozenset({0}), infeasible=True)]
+    monkeypatch.setattr(steps, "rehearse", lambda *_: lacking)
+    after = Steps(making, 0, Plans)  # type: ignore[arg-type]
+    after.done(Round("known", tasks(making, 100)))
+    assert after.next_kind(1000) == "start"
+    after.begin("start")
+    assert making.filled == 0
+    after.done(Round("start", tuple(after.tasks_of("start", 1000))))
+    assert after.next_kind(1000) == "doubt" and making.filled == 1, "gaits that the tests miss are looked for"
+
+
 def test_what_an_asking_came_to_is_read_and_not_judged_again(making: Making) -> None:
     after = begun(making, tasks(making, 100))
     making.wrong = 2
