@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from gaitflow.execute.spawn import processes, starting
+from gaitflow.execute.spawn import processes
 from gaitflow.runtime import GaitMap
 
 Asked = tuple[Mapping[str, Any], str | None]  # values by axis, and the gait to plan, None for the map's own choice
@@ -27,10 +27,8 @@ def plan_all(
             plans.append(plan(one))
             on_plan(plans[-1])
         return plans
-    with processes(workers) as pool:
-        with starting():
-            coming = pool.map(plan, asked)
-        for each in coming:
+    with processes(workers) as calls:
+        for each in calls(plan, asked):
             plans.append(each)
             on_plan(each)
     return plans

@@ -12,7 +12,7 @@ from gaitflow.atlas.node import Each
 from gaitflow.atlas.plan_solver import PlanSolver
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.gaits import Pattern
-from gaitflow.execute.spawn import processes, starting
+from gaitflow.execute.spawn import processes
 from gaitflow.problem import transcribe
 
 PARTS = 4  # of its share that a process gets at once: solves take unequal times
@@ -28,13 +28,11 @@ def node_processes(scenario: Scenario, workers: int) -> Iterator[Each | None]:
         yield None
         return
     text = json.dumps(scenario.as_data())
-    with processes(workers) as pool:
+    with processes(workers) as in_processes:
 
         def each(method: str, calls: Sequence[tuple[Pattern, Sequence[Any]]]) -> list[Any]:
             share = max(len(calls) // (PARTS * workers), 1)
-            with starting():
-                results = pool.map(functools.partial(_call, text, method), calls, chunksize=share)
-            return list(results)
+            return list(in_processes(functools.partial(_call, text, method), calls, share))
 
         yield each
 
