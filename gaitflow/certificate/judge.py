@@ -16,7 +16,7 @@ INFEASIBLE = float("inf")
 
 @dataclass(frozen=True)
 class Verdict:
-    """A pick or a plan judged: `excess` is its cost over the least that the search found, less 1.
+    """A pick or a plan judged: `excess` is its cost over that of the best gait that the search found, less 1.
 
     It is infinite without a motion, negative where the search missed something cheaper. `pick` and `best`, the
     search's, are keys of gaits; `best` is "" when the search found no motion at all.
@@ -81,5 +81,12 @@ def _best(rows: pd.DataFrame | None) -> str:
 
 
 def _excess(cost: float, rows: pd.DataFrame | None) -> float:
-    """Over the least cost that was found; -1 where nothing was."""
-    return -1.0 if rows is None else cost / float(rows["cost"].min()) - 1
+    """Over the best gait that was found, whose row is the first; -1 where nothing was.
+
+    A finer mesh may have ruled out a gait that costs less on the scenario's. A cost from that gait's up to the best
+    one's is neither dearer nor cheaper than what was found.
+    """
+    if rows is None:
+        return -1.0
+    best, least = float(rows["cost"].iloc[0]), float(rows["cost"].min())
+    return cost / min(max(cost, least), best) - 1

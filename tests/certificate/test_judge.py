@@ -70,6 +70,15 @@ def test_a_plan_is_judged_by_its_own_cost() -> None:
     assert found.best == "" and not found.dearer, "where the search found nothing, a plan is right"
 
 
+@pytest.mark.parametrize(("cost", "excess"), [(1.04, 0.02), (1.02, 0.0), (1.01, 0.0), (1.0, 0.0), (0.9, -0.1)])
+def test_a_plan_of_the_best_gait_is_not_dearer_than_one_that_a_finer_mesh_ruled_out(cost: float, excess: float) -> None:
+    known = costs([(0.1, "a", 1.02, 0.0), (0.1, "b", 1.0, 0.004)])  # b is cheaper on the scenario's mesh only
+    [plan] = judge_plans([at(0.1)], [("a", cost)], known)
+    assert plan.best == "a" and plan.excess == pytest.approx(excess, rel=0.05)
+    [pick] = judge_picks([at(0.1)], ["c"], known, lambda task: cost)
+    assert pick.excess == plan.excess
+
+
 def test_a_certificate_counts_searched_and_planned_tasks() -> None:
     verdicts = [Verdict(at(0.1), "a", "a", 0.0)] * 97 + [
         Verdict(at(0.2), "a", "b", 0.3),
