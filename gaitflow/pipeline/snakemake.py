@@ -39,7 +39,7 @@ def run_workflow(
     command.append("--dry-run" if dry_run else "rules")  # the stages speak for themselves
     # A stopped run leaves a lock behind; the store has its own rules for two writers, so it may be lifted.
     command.append("--nolock")
-    environment = os.environ | {"OMP_NUM_THREADS": "1"}
+    environment = dict(os.environ)
     if profile_file is not None:
         environment[PROFILE] = str(profile_file.resolve())
     return run_stoppable(command, workspace.root, environment) == 0
