@@ -131,18 +131,18 @@ class Atlas:
         Support is 1 amid or upon nodes, less beyond the last ones and towards places without a motion. Where it is 0
         there is no node within reach, and the cost is NaN.
         """
-        count = len(self.sheets)
         with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
             asked = place / self.steps
-            near = self._every.near(asked)
-            total, lean = np.bincount(near.owner, near.weights, count), np.zeros(count)
-            for offset in near.offsets:
-                mean = np.bincount(near.owner, near.weights * offset, count) / total
-                lean += mean * mean
-            mixed = near.blended(near.agreed())
-            costs = np.exp(np.clip(mixed, -LARGEST_LOG, LARGEST_LOG))
-            without = self._every_infeasible.weights_near(asked)
-            return costs, np.where(total > 0, (1 - np.sqrt(lean) / REACH) * total / (total + without), 0.0)
+            return _costs_and_support(self._every.near(asked), self._every_infeasible.weights_near(asked))
+
+    def costs_of_many(self, places: Array) -> tuple[Array, Array]:
+        """`costs` of many places [m, a] at once, both [m, sheets]: as exact, though not to the last digit the same."""
+        shape = len(places), len(self.sheets)
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            asked = places / self.steps
+            every, without = self._every.near_many(asked), self._every_infeasible.weights_near_many(asked)
+            costs, support = _costs_and_support(every, without)
+            return costs.reshape(shape), support.reshape(shape)
 
     def preferred(
         self, costs: Array, support: Array, chances: Sequence[float] | None
@@ -284,3 +284,14 @@ def _along(tangents: Array, offsets: Array) -> Array:
     """How much coordinates [n, k] change along offsets [n, a] by tangents [n, a, k]."""
     moved: Array = (offsets[:, None, :] @ tangents)[:, 0]
     return moved
+
+
+def _costs_and_support(near: Near, without: Array) -> tuple[Array, Array]:
+    """Of each sheet, by its nodes near a place and the weights of its places near it that have no motion."""
+    total, lean = np.bincount(near.owner, near.weights, near.count), np.zeros(near.count)
+    for offset in near.offsets:
+        mean = np.bincount(near.owner, near.weights * offset, near.count) / total
+        lean += mean * mean
+    mixed = near.blended(near.agreed())
+    costs = np.exp(np.clip(mixed, -LARGEST_LOG, LARGEST_LOG))
+    return costs, np.where(total > 0, (1 - np.sqrt(lean) / REACH) * total / (total + without), 0.0)

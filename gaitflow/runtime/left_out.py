@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -14,6 +14,7 @@ from gaitflow.core.task import AXES
 from gaitflow.runtime.atlas import SUPPORT, Atlas
 
 Per = Literal["second", "metre"]
+Rates = Callable[[Sequence[float]], list[float]]  # costs a second or a metre of values
 POINTS = 8  # looked at in each step of the map's grid
 NARROWINGS = 25  # of the best one's surroundings, each by 0.62
 
@@ -58,8 +59,8 @@ class Chooser:
 
         `task` has values on all other axes. None where the domain allows no value, or the atlas believes no cost.
         """
-        rate = self._rate(task, gait)
-        found = [(*_least(rate, low, high, steps), low, high) for low, high, steps in self._allowed(task)]
+        rates = self._rates(task, gait)
+        found = [(*_least(rates, low, high, steps), low, high) for low, high, steps in self._allowed(task)]
         if not found:
             return None
         least, value, low, high = min(found)
@@ -70,19 +71,21 @@ class Chooser:
         if not self.domain.contains({**task, self.axis: value}):
             return None
         on_edge = any(value in (low, high) for low, high, _ in self._allowed(task))
-        return self._chosen(task, value, self._rate(task, gait)(value), on_edge)
+        return self._chosen(task, value, self._rates(task, gait)([value])[0], on_edge)
 
-    def _rate(self, task: Mapping[str, float], gait: int | None) -> Callable[[float], float]:
+    def _rates(self, task: Mapping[str, float], gait: int | None) -> Rates:
         """The believed cost a second or a metre by value: of the best gait or a given one, infinite without any."""
         own = np.array([gait in (None, sheet.gait) for sheet in self.atlas.sheets], dtype=bool)
 
-        def rate(value: float) -> float:
-            whole = {**task, self.axis: value}
-            costs, support = self.atlas.costs(np.array([whole[axis] for axis in self.atlas.axes]))
-            over = whole["cycle_duration"] * (1.0 if self.per == "second" else _pace(whole))
-            return float(costs[own & (support >= SUPPORT)].min(initial=math.inf)) / over if over else math.inf
+        def rates(values: Sequence[float]) -> list[float]:
+            tasks = [{**task, self.axis: value} for value in values]
+            places = np.array([[whole[axis] for axis in self.atlas.axes] for whole in tasks])
+            costs, support = self.atlas.costs_of_many(places)
+            least = np.where(own & (support >= SUPPORT), costs, math.inf).min(axis=1, initial=math.inf)
+            overs = [whole["cycle_duration"] * (1.0 if self.per == "second" else _pace(whole)) for whole in tasks]
+            return [float(cost) / over if over else math.inf for cost, over in zip(least, overs, strict=True)]
 
-        return rate
+        return rates
 
     def _chosen(self, task: Mapping[str, float], value: float, rate: float, on_edge: bool) -> ChosenValue | None:
         """A value with its rate as the atlas counts costs; None without a cost."""
@@ -121,16 +124,20 @@ def left_out(ranged: Collection[str], given: Collection[str]) -> str | None:
     return missing[0] if len(missing) == 1 and AXES[missing[0]].commanded else None
 
 
-def _least(rate: Callable[[float], float], low: float, high: float, steps: int) -> tuple[float, float]:
+def _least(rates: Rates, low: float, high: float, steps: int) -> tuple[float, float]:
     """The least rate from `low` to `high` and where it is; ends are met exactly."""
     places = np.linspace(low, high, POINTS * steps + 1).tolist()
-    rates = [rate(place) for place in places]
-    best = int(np.argmin(rates))
+    looked_at = rates(places)
+    best = int(np.argmin(looked_at))
     a, b = places[max(best - 1, 0)], places[min(best + 1, len(places) - 1)]
     shrink = (math.sqrt(5) - 1) / 2
-    known = [(rates[best], places[best])]
+    known = [(looked_at[best], places[best])]
     if b <= a:
         return known[0]
+
+    def rate(place: float) -> float:
+        return rates([place])[0]
+
     left, right = ((rate(place), place) for place in (b - shrink * (b - a), a + shrink * (b - a)))
     for _ in range(NARROWINGS):
         known += [left, right]

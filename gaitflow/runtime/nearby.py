@@ -52,10 +52,15 @@ class Near:
 
     def blended(self, weights: Array) -> Array:
         """The logarithm of each sheet's cost at the place [count] by weights [n]: tangents are followed half-way."""
-        sums = (self._of_sheet @ (weights[:, None] * self._columns)).T
+        sums = self._sums(weights[:, None] * self._columns)
         total, axes = sums[0], len(self.offsets)
         mixed: Array = (sums[1] - (sums[2 : 2 + axes] * sums[2 + axes :]).sum(axis=0) / total / 2) / total
         return mixed
+
+    def _sums(self, terms: Array) -> Array:
+        """Over the nodes of each sheet, of terms [n, k]; [k, count]."""
+        sums: Array = (self._of_sheet @ terms).T
+        return sums
 
     @cached_property
     def _of_sheet(self) -> Array:
@@ -72,6 +77,13 @@ class Near:
         """Of the logarithm, from the place to each node by its slopes [n]."""
         pairs = zip(self.offsets, self.slopes, strict=True)
         return sum((offset * slope for offset, slope in pairs), np.zeros(len(self.logs)))
+
+
+class NearMany(Near):
+    """The same of many places at once: a node is there once for each, and each place has `count` sheets of its own."""
+
+    def _sums(self, terms: Array) -> Array:
+        return np.stack([np.bincount(self.owner, term, self.count) for term in terms.T])
 
 
 class EveryNode:
@@ -107,6 +119,21 @@ class EveryNode:
             slopes=[slope[low:high][near] for slope in self.slopes],
         )
 
+    def near_many(self, places: Array) -> NearMany:
+        """The nodes within reach of each place [m, a], in steps; sheet s of place i is number i * count + s."""
+        low, high = _window(self.places[0], places)
+        offsets = [column[low:high] - values[:, None] for column, values in zip(self.places, places.T, strict=True)]
+        squared = sum((offset * offset for offset in offsets), np.zeros((len(places), high - low)))
+        place, near = np.nonzero(squared < REACH * REACH)
+        return NearMany(
+            count=len(places) * self.count,
+            owner=place * self.count + self.sheets[low:high][near],
+            weights=weights_of(np.sqrt(squared[place, near])),
+            offsets=[offset[place, near] for offset in offsets],
+            logs=self.logs[low:high][near],
+            slopes=[slope[low:high][near] for slope in self.slopes],
+        )
+
 
 class EveryPlace:
     """Places of all sheets that have nothing but their distance, in the order of their first axis."""
@@ -128,6 +155,20 @@ class EveryPlace:
         near = np.flatnonzero(squared < REACH * REACH)
         weights = weights_of(np.sqrt(squared[near]))
         return np.bincount(self.sheets[low:high][near], weights, self.count).astype(np.float64)
+
+    def weights_near_many(self, places: Array) -> Array:
+        """The same for each place [m, a], of sheet s of place i as number i * count + s [m * count]."""
+        low, high = _window(self.places[:, 0], places)
+        squared = ((self.places[low:high] - places[:, None]) ** 2).sum(axis=2)
+        place, near = np.nonzero(squared < REACH * REACH)
+        weights, owner = weights_of(np.sqrt(squared[place, near])), place * self.count + self.sheets[low:high][near]
+        return np.bincount(owner, weights, len(places) * self.count).astype(np.float64)
+
+
+def _window(sorted_column: Array, places: Array) -> tuple[int, int]:
+    """Where in a column of first coordinates those are that may be within reach of any of the places [m, a]."""
+    low, high = np.searchsorted(sorted_column, (places[:, 0].min() - REACH, places[:, 0].max() + REACH))
+    return int(low), int(high)
 
 
 def weights_of(distances: Array) -> Array:

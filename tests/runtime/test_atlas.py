@@ -376,3 +376,21 @@ def test_of_gaits_that_are_not_believed_the_best_supported_comes_first() -> None
     assert made.ranked(place) == [1, 0]
     again = atlas(cheap, replace(dear, infeasible=cheap.infeasible))
     assert again.ranked(place) == [0, 1], "of equal support the cheaper one"
+
+
+@given(st.lists(st.tuples(st.floats(-2.0, 7.0), st.floats(-2.0, 7.0)), min_size=1, max_size=5), coefficients)
+def test_costs_of_many_places_are_those_of_each(places: list[tuple[float, float]], c: list[float]) -> None:
+    value, gradient = quadratic(c)
+    left = [place for place in grid() if place[0] <= 1]
+    without = replace(sheet_of(value, gradient, places=left), infeasible=np.array([[1.5, 2.0], [2.5, 3.0]]) * STEPS)
+    made = atlas(sheet_of(value, gradient), without)
+    costs, support = made.costs_of_many(np.array(places) * STEPS)
+    assert costs.shape == support.shape == (len(places), 2)
+    for place, *found in zip(places, costs, support, strict=True):
+        for many, one in zip(found, made.costs(np.array(place) * STEPS), strict=True):
+            np.testing.assert_allclose(many, one, rtol=1e-9, atol=1e-12)
+
+
+def test_an_atlas_that_knows_nothing_has_no_costs_of_many() -> None:
+    costs, support = Atlas.empty(AXES).costs_of_many(np.ones((3, 2)))
+    assert costs.shape == support.shape == (3, 0)
