@@ -5,8 +5,8 @@ import os
 from gaitflow.cli.interrupt import while_importing
 from gaitflow.execute.line_process import ONE_THREAD
 
-# Before numpy is loaded, and although Snakemake asks for as many threads as a stage has cores: on more threads sums
-# differ in their last digits, and nodes and what is chosen by them with these. Work is shared among processes.
+# Before numpy is loaded, and although Snakemake asks for as many threads as a stage has cores: on more threads matrices
+# are decomposed to other last digits, and what is solved from them differs. Work is shared among processes.
 os.environ.update(ONE_THREAD)
 
 with while_importing():

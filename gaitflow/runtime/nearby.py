@@ -80,8 +80,10 @@ class Near:
 
 
 class NearMany(Near):
-    """The same of many places at once: a node is there once for each, and each place has `count` sheets of its own."""
+    """The same of many places at once: a node is there once for each, and each place has sheets of its own."""
 
+    # A matrix of all sheets of all places would be large. `Near` keeps its product, since starts of nodes, and by their
+    # last digits the keys of nodes that are kept, depend on it.
     def _sums(self, terms: Array) -> Array:
         return np.stack([np.bincount(self.owner, term, self.count) for term in terms.T])
 
