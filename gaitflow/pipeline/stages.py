@@ -14,6 +14,7 @@ from gaitflow.config.scenario import Scenario, digest_of
 from gaitflow.files import atomic_write, make_folder
 from gaitflow.pipeline.earlier import atlas_of, domain_of, need
 from gaitflow.pipeline.json_file import read_json, write_json
+from gaitflow.pipeline.stamps import stamp
 from gaitflow.pipeline.workspace import Workspace
 
 if TYPE_CHECKING:
@@ -62,6 +63,7 @@ def solve(
 
     run = workspace.run(scenario)
     make_folder(run.folder)
+    stamp(run, scenario, "problem")
     store = UnitStore(run.folder)
     with display(scenario.name) as tell:
 
@@ -99,6 +101,7 @@ def label(workspace: Workspace, scenario: Scenario) -> pd.DataFrame:
 
     run = workspace.run(scenario)
     need(run.solutions, f"gaitflow solve {scenario.name}")
+    stamp(run, scenario, "ties")
     return write_labels(run, scenario)
 
 
@@ -141,6 +144,7 @@ def train(workspace: Workspace, scenario: Scenario, constant: bool) -> dict[str,
     run = workspace.run(scenario)
     need(run.labels, f"gaitflow label {scenario.name}")
     need(run.atlas_record, f"gaitflow atlas {scenario.name}")
+    stamp(run, scenario, "learning")
     labels, costs = pd.read_parquet(run.labels), pd.read_parquet(run.gait_costs)
     known, gaits = atlas_of(run, scenario)
     costs_known = KnownCosts(known, tuple(gaits), domain_of(run, scenario, labels))

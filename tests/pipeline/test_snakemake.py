@@ -125,6 +125,15 @@ def test_changed_robot_reruns_everything(finished: Path) -> None:
     assert planned(finished) == list(STAGES)
 
 
+def test_what_a_stage_made_by_its_own_command_is_up_to_date(workspace: Path) -> None:
+    scenario = workspace / "configs" / "scenarios" / "quickstart.yaml"
+    for old, new in (("count: 6", "count: 2"), ("count: 4", "count: 2"), ("held_out: 6", "held_out: 0")):
+        edit(scenario, old, new)
+    made = CliRunner().invoke(main, ["--root", str(workspace), "solve", "quickstart", "--workers", "1"])
+    assert made.exit_code == 0, made.output
+    assert planned(workspace) == ["label", "atlas", "train", "publish", "report"]
+
+
 def test_bad_scenario_stops_before_anything_runs(finished: Path) -> None:
     edit(finished / "configs" / "robots" / "half_cheetah.yaml", "mass: 14.0", "mass: -14.0")
     refused = snakemake(finished, "--dry-run")
