@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import json
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -43,11 +43,13 @@ def collect(
     held_out: Collection[Task] = (),
     target: Path | None = None,
     askings: int = 0,
+    rounds: Sequence[Mapping[str, Any]] = (),
 ) -> Path:
     """Merge every unit of `scenario` into one file, `<store>/solutions.parquet` or `target`, and return its path.
 
     `chosen` are the tasks of an adaptive sampling, `held_out` those of them that nothing was learnt from. Of the others
-    the mirror images are rows, too, where the map has them. `askings` is how often certificates were asked so far.
+    the mirror images are rows, too, where the map has them. `askings` is how often certificates were asked so far,
+    `rounds` those of a sampling that was stopped in the middle of one.
 
     Rows are sorted by split, task (speed fastest), pattern, seed and start. Every part is checked; a bad one goes to
     quarantine.
@@ -78,7 +80,7 @@ def collect(
             lambda index: store.read(units[index]) if index < len(units) else images.read(index)
         )
         with new_file(target, replace=True) as file:
-            record = dataset_record(scenario, [unit.digest for unit in units], records, record_of, askings)
+            record = dataset_record(scenario, [unit.digest for unit in units], records, record_of, askings, rounds)
             write_sealed(file, schema, _tables(rows, read, schema), record)
     except DamagedPart as error:
         raise NotComplete(f"{scenario.name}: a part changed while it was collected: {error}") from None

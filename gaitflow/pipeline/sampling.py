@@ -7,6 +7,7 @@ interrupted sampling repeats its rounds from the store, without a search, and go
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from gaitflow.atlas.node import Each
@@ -39,22 +40,22 @@ def sample(
     search: Search,
     tell: Tell,
     each: Each | None = None,
-    known: Round | None = None,
+    begun: Sequence[Round] = (),
 ) -> list[Round]:
     """Choose and search tasks until the map is certified or the scenario's `most` are searched; returns all rounds.
 
-    `each` solves several nodes of the atlas at once, see `NodeSolver`. `known` is the first round, of a dataset
-    whose searches the run's store has. Leaves the atlas that was judged, and what it was judged to be, in the run's
-    folder. Raises EmptyDomain where no task that was searched has a motion, ValueError where the sampling has begun
-    with other tasks than those known.
+    `each` solves several nodes of the atlas at once, see `NodeSolver`. `begun` are the first rounds, of a dataset whose
+    searches the run's store has. Leaves the atlas that was judged, and what it was judged to be, in the run's folder.
+    Raises EmptyDomain where no task that was searched has a motion, ValueError where the sampling has begun with other
+    tasks.
     """
     sampling = scenario.tasks.adaptive
     assert sampling is not None, "a scenario whose tasks are a grid has no rounds"
     rounds = written_rounds(run, scenario)
-    if known is not None and not rounds:
-        rounds = [known]
+    if begun and not rounds:
+        rounds = list(begun)
         _write(run, scenario, rounds)
-    elif known is not None and rounds[0] != known:
+    elif [_chosen(one) for one in rounds[: len(begun)]] != [_chosen(one) for one in begun]:
         raise ValueError(
             f"{scenario.name}: its sampling has begun already, and not from this dataset; leave --begin away to go on "
             f"with it, or remove {run.rounds} to begin again"
@@ -110,6 +111,11 @@ def chosen_tasks(run: Run, scenario: Scenario) -> list[Task]:
 def written_rounds(run: Run, scenario: Scenario) -> list[Round]:
     """The rounds of a run so far, none before there is one."""
     return rounds_from(read_json(run.rounds), scenario.tasks.space) if run.rounds.exists() else []
+
+
+def _chosen(one: Round) -> Round:
+    """A round without what its certificate came to."""
+    return replace(one, certificate=None)
 
 
 def _write(run: Run, scenario: Scenario, rounds: Sequence[Round]) -> None:

@@ -15,7 +15,7 @@ from gaitflow.pipeline.workspace import Run, Workspace
 from gaitflow.publishing.dataset import publish_dataset
 from gaitflow.publishing.find import version_folder
 from gaitflow.publishing.verify_dataset import verify_dataset
-from gaitflow.sampling.rounds import Round, askings
+from gaitflow.sampling.rounds import Round, askings, rounds_from, was_stopped
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import plan_cold
 
@@ -28,26 +28,36 @@ def publish_searches(workspace: Workspace, scenario: Scenario) -> Path:
     """
     run = workspace.run(scenario)
     store, searches = UnitStore(run.folder), Run(run.folder / "searches")
-    chosen, asked = None, 0
+    chosen, asked, rounds = None, 0, list[Round]()
     if scenario.tasks.adaptive is not None:
         stored = store.solved()
-        units, asked = plan_cold(scenario, chosen_tasks(run, scenario)), askings(written_rounds(run, scenario))
+        units, rounds = plan_cold(scenario, chosen_tasks(run, scenario)), written_rounds(run, scenario)
         chosen = [unit.tasks[0] for unit in units if unit.digest in stored]
         if not chosen:
             raise NotComplete(f"{scenario.name}: nothing is searched yet; run gaitflow solve {scenario.name} first")
+        asked = askings(rounds)
+        rounds = rounds if was_stopped(rounds, chosen) else []
     make_folder(searches.folder)
-    collect(store, scenario, chosen, target=searches.solutions, askings=asked)
+    written = [one.as_data(scenario.tasks.space) for one in rounds]
+    collect(store, scenario, chosen, target=searches.solutions, askings=asked, rounds=written)
     write_labels(searches, scenario)
     return publish_dataset(workspace.datasets, searches.solutions, searches.labels, searches.gait_costs)
 
 
-def begin_from(store: UnitStore, scenario: Scenario, dataset: Path) -> Round:
-    """The first round of a sampling: the tasks of a published dataset, whose searches the store has from now on.
+def begin_from(store: UnitStore, scenario: Scenario, dataset: Path) -> list[Round]:
+    """The first rounds of a sampling, from a published dataset whose searches the store has from now on.
 
-    `dataset` is a version's folder or one of versions. Raises ValueError when it is not sound or of other searches.
+    They are one round of its tasks; or its own rounds where it was published in the middle of one, so that the sampling
+    goes on where it was stopped. `dataset` is a version's folder or one of versions. Raises ValueError when it is not
+    sound or of other searches.
     """
     folder = version_folder(dataset)
     if faults := verify_dataset(folder):
         raise ValueError(f"{folder}: is not sound: {faults[0]}; gaitflow verify {folder} lists all that is wrong")
-    tasks = restore(store, scenario, folder)
-    return Round("known", tuple(tasks), askings=int(load_solutions(folder).record.get("askings", 0)))
+    tasks, record = restore(store, scenario, folder), load_solutions(folder).record
+    if "rounds" not in record:
+        return [Round("known", tuple(tasks), askings=int(record.get("askings", 0)))]
+    rounds = rounds_from(record["rounds"], scenario.tasks.space)
+    if not set(tasks) <= {task for one in rounds for task in one.tasks}:
+        raise ValueError(f"{folder}: it has searches of tasks that its rounds lack")
+    return rounds

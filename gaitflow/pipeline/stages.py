@@ -83,14 +83,14 @@ def solve(
         from gaitflow.sampling.rounds import askings, held_out
 
         check_trainable(scenario)
-        known = None if begin is None else begin_from(store, scenario, begin)
+        begun = () if begin is None else begin_from(store, scenario, begin)
         if begin is not None and earlier is not None:
             keep_earlier(run, scenario, earlier, begin)
         with (
             node_processes(scenario, workers) as solving,
             kept_nodes(run.solved_nodes, scenario, solving) as each,
         ):
-            rounds = sample(run, scenario, search, tell, each, known)
+            rounds = sample(run, scenario, search, tell, each, begun)
         chosen = [task for one in rounds for task in one.tasks]
         return search(chosen), collect(store, scenario, chosen, held_out(rounds), askings=askings(rounds))
 

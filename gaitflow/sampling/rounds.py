@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -69,6 +69,14 @@ def task_at(space: TaskSpace, values: Any, split: Split = "sampled") -> Task:
 def askings(rounds: Sequence[Round]) -> int:
     """How often certificates were asked, before the dataset that a sampling begins from was published as well."""
     return sum(one.askings + (one.certificate is not None) for one in rounds)
+
+
+def was_stopped(rounds: Sequence[Round], searched: Collection[Task]) -> bool:
+    """Whether the last round was not gone through: a task is not searched, or its certificate not asked."""
+    if not rounds:
+        return False
+    last = rounds[-1]
+    return not set(last.tasks) <= set(searched) or (last.of_certificate and last.certificate is None)
 
 
 def held_out(rounds: list[Round]) -> set[Task]:

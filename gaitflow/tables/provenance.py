@@ -49,6 +49,7 @@ def dataset_record(
     parts: Sequence[Mapping[str, Any]],
     part_of: Sequence[int],
     askings: int = 0,
+    rounds: Sequence[Mapping[str, Any]] = (),
 ) -> dict[str, Any]:
     """Record of a collected dataset: the scenario whole, and what the records of its units have in common.
 
@@ -56,7 +57,8 @@ def dataset_record(
     `solver_options` list the distinct ones, so that a dataset solved on two kinds of machine says so. Then
     `units_made_by` has a number in `made_by` for each unit, in the order in which the scenario is cut into them.
     `units` is how many there are, `units_digest` the digest of their sorted names. `askings`, where there were any, is
-    how often certificates were asked while an adaptive sampling chose the tasks.
+    how often certificates were asked while an adaptive sampling chose the tasks; `rounds`, where it was stopped in the
+    middle of one, are its rounds.
     """
     makers = _distinct([part["made_by"] for part in parts])
     numbers = [makers.index(part["made_by"]) for part in parts]
@@ -71,6 +73,7 @@ def dataset_record(
         **({"units_made_by": [numbers[part] for part in part_of]} if len(makers) > 1 else {}),
         "solver_options": _distinct([part["solver_options"] for part in parts]),
         **({"askings": askings} if askings else {}),
+        **({"rounds": list(rounds)} if rounds else {}),
         "collected_by": made_by(),
         "created": _now(),
     }

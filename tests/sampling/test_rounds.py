@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from gaitflow.certificate.certificate import certify
 from gaitflow.certificate.judge import Verdict
 from gaitflow.core.task_space import TaskSpace
-from gaitflow.sampling.rounds import Kind, Round, askings, held_out, rounds_from, task_at
+from gaitflow.sampling.rounds import Kind, Round, askings, held_out, rounds_from, task_at, was_stopped
 
 SPACE = TaskSpace(("speed", "slope"), (("cycle_duration", 0.5),))
 CERTIFICATE = certify([Verdict(task_at(SPACE, (0.3, 3.0)), "", "", 0.0)] * 9, [], [True], 1, 0)
@@ -58,3 +59,12 @@ def test_held_out_is_the_last_certificate_with_its_further_tasks() -> None:
     assert held_out([start, first, more]) == {*first.tasks, *more.tasks}
     assert held_out([start, first, a_round("certificate", 0.4)]) == set(a_round("certificate", 0.4).tasks)
     assert held_out([start, first, more, a_round("doubt", 0.5)]) == set()
+
+
+def test_a_sampling_was_stopped_in_a_round_with_tasks_to_search_or_a_certificate_to_ask() -> None:
+    start, asked = a_round("start", 0.1, 0.2), a_round("certificate", 0.3)
+    searched = {*start.tasks, *asked.tasks}
+    assert not was_stopped([], searched)
+    assert was_stopped([start], start.tasks[:1]) and not was_stopped([start], searched)
+    assert was_stopped([start, asked], start.tasks) and was_stopped([start, asked], searched)
+    assert not was_stopped([start, replace(asked, certificate=CERTIFICATE)], searched)
