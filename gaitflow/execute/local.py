@@ -29,8 +29,12 @@ def local_client(workers: int = 2) -> Iterator[Client]:
     Workers that die are replaced. They never see a terminal's Ctrl-C: the run stops them.
     """
     allow_connections(workers)
-    with TemporaryDirectory(prefix="gaitflow-") as own, session_security(Path(own)) as security:  # 0700, both
-        with dask.config.set(SETTINGS), _without_ctrl_c():
+    with (
+        TemporaryDirectory(prefix="gaitflow-") as own,  # 0700
+        session_security(Path(own)) as security,
+        dask.config.set(SETTINGS),  # to the end: the cluster reads them when it loses a worker
+    ):
+        with _without_ctrl_c():
             cluster = LocalCluster(
                 n_workers=workers,
                 threads_per_worker=1,

@@ -22,10 +22,12 @@ SETTINGS: dict[str, Any] = PROCESS | {
     "distributed.scheduler.http.routes": [],
     "distributed.scheduler.active-memory-manager.start": False,  # receipts are small
     "distributed.admin.tick.limit": "30s",
+    # Nannies and the pool replace lost workers themselves, at once. By itself Dask would close the nanny of a worker
+    # that is just being started again when it looks, 15 s after a loss, and never open another.
+    "distributed.deploy.lost-worker-timeout": "1 day",
 }
 CLUSTER_SETTINGS: dict[str, Any] = SETTINGS | {
     "distributed.scheduler.worker-ttl": "2 minutes",  # a node without power says no goodbye
-    "distributed.deploy.lost-worker-timeout": "1 day",  # the pool sees to lost workers itself, at once
 }
 
 

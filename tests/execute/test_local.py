@@ -11,11 +11,12 @@ import sys
 import time
 from pathlib import Path
 
+import dask
 import pytest
 from distributed import Client
 
 from gaitflow.execute.drivers import DriverAlive, the_local_driver
-from gaitflow.execute.local import local_run_client
+from gaitflow.execute.local import local_client, local_run_client
 
 
 def _inside() -> tuple[str | None, bool]:
@@ -48,6 +49,18 @@ def test_workers_have_one_thread_and_never_see_ctrl_c_even_when_replaced(client:
     client.wait_for_workers(2)
     assert len(set(pids)) >= 1
     assert set(client.run(_inside).values()) == {("1", True)}
+
+
+def test_a_worker_is_replaced_however_long_its_start_takes() -> None:
+    """Dask by itself gives up a worker that has not come back after 15 s, here at once."""
+    with dask.config.set({"distributed.deploy.lost-worker-timeout": "10ms"}), local_client(workers=1) as client:
+        for _ in range(2):
+            (before,) = client.run(os.getpid).values()
+            os.kill(before, signal.SIGKILL)
+            deadline = time.monotonic() + 60
+            while not (set(client.run(os.getpid, on_error="ignore").values()) - {before}):
+                assert time.monotonic() < deadline, "nobody starts it again"
+                time.sleep(0.1)
 
 
 STRANGER = """
