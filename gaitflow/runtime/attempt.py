@@ -6,6 +6,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import IntEnum
 
 import numpy as np
 
@@ -17,8 +18,15 @@ from gaitflow.runtime.manifest import Manifest
 from gaitflow.solvers.options import CONVERGED
 
 FAST, FALLBACK = "fast", "fallback"
-STARTS = 3  # of a candidate, at most
 NOT_CONVERGED = "not converged"  # what is no status of CONVERGED
+
+
+class Effort(IntEnum):
+    """How hard a candidate is tried: as a rival, as one that promises much, or as the first of a plan."""
+
+    RIVAL = 1
+    PROMISING = 2
+    FIRST = 3
 
 
 @dataclass(frozen=True)
@@ -76,8 +84,8 @@ class GaitRefiner(ABC):
         self.manifest, self.atlas = manifest, atlas
 
     @abstractmethod
-    def fast(self, candidate: Candidate, task: Task, most: int = STARTS) -> Attempt:
-        """Solve for a task by Newton steps from at most `most` starts."""
+    def fast(self, candidate: Candidate, task: Task, effort: Effort = Effort.FIRST) -> Attempt:
+        """Solve for a task by Newton steps from one start after the other."""
 
     @abstractmethod
     def fallback(self, candidate: Candidate, task: Task) -> Attempt:

@@ -16,7 +16,7 @@ from gaitflow.core.errors import ArtifactError
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.artifact import Artifact
-from gaitflow.runtime.attempt import FAST, NOT_CONVERGED, STARTS, Attempt, Candidate, GaitRefiner, Run
+from gaitflow.runtime.attempt import FAST, NOT_CONVERGED, Attempt, Candidate, Effort, GaitRefiner, Run
 from gaitflow.runtime.files import LIMITS, MANIFEST, read_limited
 from gaitflow.runtime.refine import Refiner
 from gaitflow.solvers.options import CONVERGED
@@ -72,11 +72,13 @@ class CompiledMap:
         """Give back the memory of a refiner."""
         self._library.gaitflow_delete_refiner(handle)
 
-    def refine(self, handle: int, candidate: Candidate, place: Array, most: int, w: Array) -> tuple[bool, float, int]:
+    def refine(
+        self, handle: int, candidate: Candidate, place: Array, effort: Effort, w: Array
+    ) -> tuple[bool, float, int]:
         """Write a motion into w [nw]; returns whether it converged, its cost, and the iterations it took."""
         cost, iterations = np.zeros(1), _SIZE()
         sheet = -1 if candidate.sheet is None else candidate.sheet
-        arguments = (candidate.gait, sheet, place, most, w, cost, ctypes.byref(iterations))
+        arguments = (candidate.gait, sheet, place, effort, w, cost, ctypes.byref(iterations))
         converged = self._library.gaitflow_refine(handle, self._map, *arguments)
         if converged < 0:
             raise ValueError(f"{self.error}")
@@ -91,15 +93,15 @@ class CompiledRefiner(GaitRefiner):
         self._library, self._handle, self._slow = library, handle, slow
         weakref.finalize(self, library.finish, handle)
 
-    def fast(self, candidate: Candidate, task: Task, most: int = STARTS) -> Attempt:
+    def fast(self, candidate: Candidate, task: Task, effort: Effort = Effort.FIRST) -> Attempt:
         """As `Refiner.fast`."""
         started = time.perf_counter()
         w = np.zeros(self.manifest.layout.nw)
-        converged, cost, iterations = self._library.refine(self._handle, candidate, self.place(task), most, w)
+        converged, cost, iterations = self._library.refine(self._handle, candidate, self.place(task), effort, w)
         status = CONVERGED[0] if converged else NOT_CONVERGED
         attempt = self.judged(Run(candidate, task, started, started, iterations), w, cost, FAST, status)
         # The library believes the problem's own rows. What our check refuses, Python's solver tries from other starts.
-        return self._slow().fast(candidate, task, most) if converged and not attempt.feasible else attempt
+        return self._slow().fast(candidate, task, effort) if converged and not attempt.feasible else attempt
 
     def fallback(self, candidate: Candidate, task: Task) -> Attempt:
         """As `Refiner.fallback`."""

@@ -17,13 +17,18 @@ from gaitflow.core.task_space import TaskSpace
 from gaitflow.core.trajectory import Trajectory
 from gaitflow.motion import Frames, Motion, Point
 from gaitflow.motion.motion import SWING_APEX
-from gaitflow.runtime.attempt import Attempt, Candidate, GaitRefiner
+from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.attempt import Attempt, Candidate, Effort, GaitRefiner
 from gaitflow.runtime.left_out import ChosenValue
 from gaitflow.runtime.manifest import Gait
 
 TOP = 5  # gaits that a plan tries unless it is told otherwise
 LEAST_SAVING = 1e-3  # relative cost that another candidate must promise, and come, to save
-GREAT_SAVING = 0.5  # relative cost for which it is solved from a second start
+GREAT_SAVING = 0.5  # relative cost for which it is tried harder
+# Up to NEAR_AXES axes: where the first motion costs more than SURPRISE times what it might have at the least, it is
+# across a cliff from the nodes around, and other gaits are off as well. Those that may cost SURPRISED times as much at
+# the least are tried there.
+SURPRISE, SURPRISED = 4.0, 1.25
 # Over more than NEAR_AXES axes predictions between nodes so far apart mislead: a gait that is so probably the best is
 # tried there whatever it may cost, and one that hardly is the best is tried only if it comes first.
 LIKELY, UNLIKELY = 0.05, 0.003
@@ -175,6 +180,19 @@ def unlikely(chances: Mapping[int, float]) -> set[int]:
     return {gait for gait, chance in chances.items() if chance < UNLIKELY}
 
 
+def tried_below(atlas: Atlas, least: float, cost: float) -> float:
+    """The share of the least cost so far below which a gait may cost for being tried.
+
+    `least` is what the first gait might have cost at the least, and `cost` what it came to.
+    """
+    return SURPRISED if not atlas.is_wide and cost > SURPRISE * least else 1 - LEAST_SAVING
+
+
+def effort_for(least: float, cost: float) -> Effort:
+    """How hard a gait is tried that may cost `least`, when the cheapest so far costs `cost`."""
+    return Effort.PROMISING if least < cost * (1 - GREAT_SAVING) else Effort.RIVAL
+
+
 def _attempts(
     refiner: GaitRefiner, candidates: Sequence[Candidate], sure: set[int], spared: set[int], task: Task, top: int
 ) -> Iterator[tuple[int, Attempt]]:
@@ -185,7 +203,7 @@ def _attempts(
         yield place, attempt
         if attempt.refined:
             done = spared.union(places[: number + 1])
-            yield from _cheaper(refiner, candidates, sure, done, attempt.cost, task)
+            yield from _cheaper(refiner, candidates, sure, done, (place, attempt.cost), task)
             return
     first = {candidates[place].gait: place for place in reversed(places)}
     for place in sorted(first.values()):
@@ -196,17 +214,24 @@ def _attempts(
 
 
 def _cheaper(
-    refiner: GaitRefiner, candidates: Sequence[Candidate], sure: Set[int], done: Set[int], cost: float, task: Task
+    refiner: GaitRefiner,
+    candidates: Sequence[Candidate],
+    sure: Set[int],
+    done: Set[int],
+    solved: tuple[int, float],
+    task: Task,
 ) -> Iterator[tuple[int, Attempt]]:
     """An attempt for each candidate left that may cost less than the cheapest so far, the most promising first.
 
-    Those of `sure` are tried whatever they may cost, those of `done` not.
+    `solved` is the place of the first one that was solved, with its cost. Candidates of `sure` are tried whatever they
+    may cost, those of `done` not.
     """
+    first, cost = solved
     least = refiner.least(candidates, task)
+    share = tried_below(refiner.atlas, least[first], cost)
     for place in sorted(range(len(candidates)), key=least.__getitem__):
-        if place not in done and (place in sure or least[place] < cost * (1 - LEAST_SAVING)):
-            most = 2 if least[place] < cost * (1 - GREAT_SAVING) else 1
-            attempt = refiner.fast(candidates[place], task, most)
+        if place not in done and (place in sure or least[place] < cost * share):
+            attempt = refiner.fast(candidates[place], task, effort_for(least[place], cost))
             yield place, attempt
             if attempt.refined:
                 cost = min(cost, attempt.cost)

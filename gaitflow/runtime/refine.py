@@ -13,7 +13,7 @@ from functools import partial
 
 from gaitflow.core.task import Task
 from gaitflow.runtime.atlas import Atlas
-from gaitflow.runtime.attempt import FALLBACK, FAST, NOT_CONVERGED, STARTS, Attempt, Candidate, GaitRefiner, Run
+from gaitflow.runtime.attempt import FALLBACK, FAST, NOT_CONVERGED, Attempt, Candidate, Effort, GaitRefiner, Run
 from gaitflow.runtime.manifest import Manifest
 from gaitflow.runtime.problem import Problem
 from gaitflow.runtime.starts import Start, starts_of
@@ -25,13 +25,19 @@ from gaitflow.solvers.program import Program
 
 MEAN_BARRIER = 1e-2  # of the mean of a region, far from any task
 LIMIT = 60  # iterations of a try: near cliffs some need twice the usual 25, and another start takes as many again
-RIVAL_LIMIT = 30  # of a candidate that may save a little, and has one try: no plan of 137 came out dearer than with 60
+RIVAL_LIMIT = 30  # of each try of a candidate that may save a little: no plan of 137 came out dearer than with 60
+FIRST_STARTS, PROMISING_STARTS, RIVAL_STARTS = 4, 2, 2
 LEAST_COST = 1e-9
 
 
-def limit_of(atlas: Atlas, most: int) -> int:
-    """The iterations of each of at most `most` tries of a candidate; the nominal start leads to a motion in the end."""
-    return RIVAL_LIMIT if most == 1 and not atlas.is_wide else LIMIT
+def tries_of(atlas: Atlas, effort: Effort) -> tuple[int, int]:
+    """How many starts a candidate has, and the iterations of each.
+
+    A rival has one start where the nominal one comes first, which leads to a motion in the end.
+    """
+    if effort is Effort.RIVAL:
+        return (1, LIMIT) if atlas.is_wide else (RIVAL_STARTS, RIVAL_LIMIT)
+    return (FIRST_STARTS if effort is Effort.FIRST else PROMISING_STARTS), LIMIT
 
 
 class Refiner(GaitRefiner):
@@ -49,15 +55,15 @@ class Refiner(GaitRefiner):
         for number, sheet in enumerate(atlas.sheets):
             self.method(Candidate(sheet.gait, number))
 
-    def fast(self, candidate: Candidate, task: Task, most: int = STARTS) -> Attempt:
-        """Solve for a task by the fast method, from the `starts_of` the candidate's sheet.
+    def fast(self, candidate: Candidate, task: Task, effort: Effort = Effort.FIRST) -> Attempt:
+        """Solve for a task by the fast method, from the `starts_of` the candidate's sheet, as `tries_of` says.
 
-        A candidate that the atlas does not know is solved from the mean of its region. `most` is how many tries there
-        may be. Where it does not converge the motion is the last try's.
+        A candidate that the atlas does not know is solved from the mean of its region. Where it does not converge the
+        motion is the last try's.
         """
         started = time.perf_counter()
         parameters, method = task.parameters, self.method(candidate)
-        starts, limit = self._starts(candidate, method.space, task), limit_of(self.atlas, most)
+        starts, (most, limit) = self._starts(candidate, method.space, task), tries_of(self.atlas, effort)
         first = next(starts)
         run = Run(candidate, task, started, time.perf_counter())
         for each in itertools.islice(itertools.chain([first], starts), most):

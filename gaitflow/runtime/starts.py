@@ -37,15 +37,15 @@ class Start:
 
 
 def starts_of(atlas: Atlas, sheet: int, place: Array, nominal: Nominal) -> Iterator[Start]:
-    """The starts of a sheet at a place [axes]: from its prediction, where there is one, and from a node.
+    """The starts of a sheet at a place [axes]: from its prediction, where there is one, from a node, the `nominal` one.
 
-    Over more than NEAR_AXES axes the `nominal` one comes before them.
+    Over more than NEAR_AXES axes the nominal one comes first.
     """
     space = atlas.sheets[sheet].space
     predicted = atlas.predict(sheet, place)
+    known = predicted or atlas.nearest(sheet, place, 1)[0]
     if atlas.is_wide:
-        known = predicted or atlas.nearest(sheet, place, 1)[0]
-        yield Start(_primal(space, nominal()[space.free]), known.cost, NOMINAL_BARRIER, careful=True)
+        yield _from_nominal(space, nominal, known.cost)
     if predicted is not None:
         point = space.decode(predicted.point)
         yield Start(point, predicted.cost, atlas.barrier, careful=True)
@@ -53,6 +53,12 @@ def starts_of(atlas: Atlas, sheet: int, place: Array, nominal: Nominal) -> Itera
     # The nearest node says little that is new: the prediction is mostly its own.
     node = atlas.nearest(sheet, place, 2)[-1]
     yield Start(space.decode(node.point), node.cost, NODE_BARRIER)
+    if not atlas.is_wide:
+        yield _from_nominal(space, nominal, known.cost)
+
+
+def _from_nominal(space: GaitSpace, nominal: Nominal, cost: float) -> Start:
+    return Start(_primal(space, nominal()[space.free]), cost, NOMINAL_BARRIER, careful=True)
 
 
 def _primal(space: GaitSpace, free: Array) -> Point:

@@ -18,9 +18,9 @@ from gaitflow.atlas.plan_solver import Try
 from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas
-from gaitflow.runtime.attempt import STARTS
-from gaitflow.runtime.plan import GREAT_SAVING, LEAST_SAVING, TOP, likely, unlikely
-from gaitflow.runtime.refine import limit_of
+from gaitflow.runtime.attempt import Effort
+from gaitflow.runtime.plan import LEAST_SAVING, TOP, effort_for, likely, tried_below, unlikely
+from gaitflow.runtime.refine import tries_of
 from gaitflow.runtime.starts import starts_of
 from gaitflow.sampling.making import MapInMaking
 from gaitflow.search import starts
@@ -122,34 +122,43 @@ def solves(
     tried = set[int]()
     for sheet in (sheet for sheet in candidates if atlas.sheets[sheet].gait in gaits):
         tried.add(sheet)
-        cost = yield from solved(sheet, STARTS)
+        cost = yield from solved(sheet, Effort.FIRST)
         if cost is not None:
-            first = Planned(atlas.sheets[sheet].gait, cost)
             of_gaits = dict(enumerate(chances or ()))
             sure = {each for each in atlas.ranked(asked, chances) if atlas.sheets[each].gait in likely(of_gaits)}
             spared = unlikely(of_gaits) - {atlas.sheets[candidates[0]].gait}
             done = tried.union(each for each in candidates if atlas.sheets[each].gait in spared)
-            return (yield from _cheapest(atlas, first, done, sure, asked, solved))
+            return (yield from _cheapest(atlas, (sheet, cost), done, sure, asked, solved))
     return None
 
 
 def _cheapest(
-    atlas: Atlas, first: Planned, done: Set[int], sure: Set[int], asked: Array, solved: Callable[[int, int], Solved]
+    atlas: Atlas,
+    first: tuple[int, float],
+    done: Set[int],
+    sure: Set[int],
+    asked: Array,
+    solved: Callable[[int, Effort], Solved],
 ) -> Generator[Asked, float | None, Planned]:
-    """The plan that was found first, or a cheaper one: of a sheet that may be cheaper, or is one of `sure`."""
-    best, least = first, atlas.least_costs(asked)
+    """The plan that was found first, of this sheet and cost, or a cheaper one.
+
+    Sheets are tried that may be cheaper, or are of `sure`.
+    """
+    (sheet, cost), least = first, atlas.least_costs(asked)
+    best, share = Planned(atlas.sheets[sheet].gait, cost), tried_below(atlas, least[sheet], cost)
     for rival in np.argsort(least, kind="stable").tolist():
-        if rival not in done and (rival in sure or least[rival] < best.cost * (1 - LEAST_SAVING)):
-            most = 2 if least[rival] < best.cost * (1 - GREAT_SAVING) else 1
-            cost = yield from solved(rival, most)
-            if cost is not None and cost < best.cost * (1 - LEAST_SAVING):
-                best = Planned(atlas.sheets[rival].gait, cost)
+        if rival not in done and (rival in sure or least[rival] < best.cost * share):
+            found = yield from solved(rival, effort_for(least[rival], best.cost))
+            if found is not None and found < best.cost * (1 - LEAST_SAVING):
+                best = Planned(atlas.sheets[rival].gait, found)
     return best
 
 
-def _solved(atlas: Atlas, asked: Array, patterns: Sequence[int], nominal: Nominal, sheet: int, most: int) -> Solved:
-    """The cost of the motion that one of `most` starts of a sheet leads to."""
-    place, limit = tuple(asked.tolist()), limit_of(atlas, most)
+def _solved(
+    atlas: Atlas, asked: Array, patterns: Sequence[int], nominal: Nominal, sheet: int, effort: Effort
+) -> Solved:
+    """The cost of the motion that one of a sheet's starts leads to, as `tries_of` says."""
+    place, (most, limit) = tuple(asked.tolist()), tries_of(atlas, effort)
     for start in islice(starts_of(atlas, sheet, asked, partial(nominal, place)), most):
         cost = yield (patterns[sheet], place, start), limit
         if cost is not None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from gaitflow.core import check
-from gaitflow.runtime import atlas, attempt, condensed, gait_map, plan, refine, starts
+from gaitflow.runtime import atlas, condensed, gait_map, plan, refine, starts
 from gaitflow.solvers import interior_point, kkt, point
 
 CONSTANTS = {
@@ -27,14 +27,17 @@ CONSTANTS = {
     "point.hpp": {"largest_log": point.LARGEST_LOG},
     "condensed.hpp": {"largest_log": condensed.LARGEST_LOG},
     "starts.hpp": {
-        "most": attempt.STARTS, "nominal_barrier": starts.NOMINAL_BARRIER,
-        "primal_barrier": starts.PRIMAL_BARRIER, "node_barrier": starts.NODE_BARRIER,
-        "mean_barrier": refine.MEAN_BARRIER, "least_cost": refine.LEAST_COST,
+        "nominal_barrier": starts.NOMINAL_BARRIER, "primal_barrier": starts.PRIMAL_BARRIER,
+        "node_barrier": starts.NODE_BARRIER, "mean_barrier": refine.MEAN_BARRIER, "least_cost": refine.LEAST_COST,
     },
-    "refine.hpp": {"feasible_within": check.FEASIBLE, "limit": refine.LIMIT, "rival_limit": refine.RIVAL_LIMIT},
+    "refine.hpp": {
+        "feasible_within": check.FEASIBLE, "limit": refine.LIMIT, "rival_limit": refine.RIVAL_LIMIT,
+        "first_starts": refine.FIRST_STARTS, "promising_starts": refine.PROMISING_STARTS,
+        "rival_starts": refine.RIVAL_STARTS,
+    },
     "planner.hpp": {
         "least_saving": plan.LEAST_SAVING, "great_saving": plan.GREAT_SAVING, "likely": plan.LIKELY,
-        "unlikely": plan.UNLIKELY,
+        "unlikely": plan.UNLIKELY, "surprise": plan.SURPRISE, "surprised": plan.SURPRISED,
     },
     "atlas.hpp": {
         "hardly_tried": atlas.HARDLY_TRIED, "hardly": atlas.HARDLY, "near_axes": atlas.NEAR_AXES,

@@ -15,7 +15,7 @@ from gaitflow.core.trajectory import Trajectory
 from gaitflow.problem import GaitProblem
 from gaitflow.runtime import GaitMap, OutOfDomain, Plan, refine
 from gaitflow.runtime.atlas import NEAR_AXES, Atlas
-from gaitflow.runtime.attempt import Attempt, Candidate
+from gaitflow.runtime.attempt import Attempt, Candidate, Effort
 from gaitflow.runtime.plan import LIKELY, UNLIKELY, Asked, likely, refine_ranked, unlikely
 
 TASK, VALUES = task_of(0.9, 0.6), {"speed": 0.9, "cycle_duration": 0.6}
@@ -275,8 +275,8 @@ class Scripted:
         trajectory, cost = Trajectory(**self._fields), self._costs[number]
         return Attempt(trajectory, "0110/1100", cost, violation, 7, status, method, 0.5, 1.5)
 
-    def fast(self, candidate: Candidate, task: Task, most: int = 3) -> Attempt:
-        return self._end({1: "look", 2: "look twice", 3: "fast"}[most], candidate)
+    def fast(self, candidate: Candidate, task: Task, effort: Effort = Effort.FIRST) -> Attempt:
+        return self._end({Effort.RIVAL: "look", Effort.PROMISING: "look hard", Effort.FIRST: "fast"}[effort], candidate)
 
     def least(self, candidates: Sequence[Candidate], task: Task) -> list[float]:
         return [self._least[self._number(each)] for each in candidates]
@@ -391,13 +391,34 @@ def test_all_that_may_be_cheaper_are_looked_at(
     assert scripted.calls == [FAST_0, *(("look", look) for look in looks)]
 
 
-def test_what_may_save_half_is_looked_at_first_and_twice(gait_map: GaitMap) -> None:
+def test_what_may_save_half_is_looked_at_first_and_harder(gait_map: GaitMap) -> None:
     walking, gallop = gait_map.gaits
     ranked = [(Candidate(0, 0), walking, 0.5), (Candidate(0, 1), walking, 0.5), (Candidate(1, 2), gallop, 0.4)]
     scripted = Scripted(gait_map, [SOLVED] * 3, [LOST] * 3, (9.0, 9.5, 4.9), (10.0, 11.0, 9.7))
     plan = refine_ranked(scripted, ranked, Asked(TASK, VALUES, True, 0.0, 0.0))
     assert (plan.gait, plan.path) == ("gallop", "cheaper:1")
-    assert scripted.calls == [FAST_0, ("look twice", 2), ("look", 1)]
+    assert scripted.calls == [FAST_0, ("look hard", 2), ("look", 1)]
+
+
+@pytest.mark.parametrize(
+    ("axes", "least", "gait", "calls"),
+    [
+        (2, (2.4, 12.4), "gallop", [FAST_0, LOOK_1]),
+        (3, (2.4, 12.4), "gallop", [FAST_0, LOOK_1]),
+        (2, (2.4, 12.6), "walking", [FAST_0]),
+        (2, (2.6, 12.4), "walking", [FAST_0]),
+        (2, (np.inf, 12.4), "walking", [FAST_0]),
+        # Over many axes predictions are seldom right, and likely gaits are looked at in any case.
+        (4, (2.4, 12.4), "walking", [FAST_0]),
+    ],
+)
+def test_where_a_cost_is_far_above_what_it_might_have_been_dearer_gaits_are_looked_at(
+    gait_map: GaitMap, axes: int, least: tuple[float, float], gait: str, calls: list[tuple[str, int]]
+) -> None:
+    ranked = [(Candidate(n, n), each, 0.01) for n, each in enumerate(gait_map.gaits)]
+    scripted = Scripted(gait_map, [SOLVED] * 2, [LOST] * 2, least, (10.0, 9.0), axes)
+    plan = refine_ranked(scripted, ranked, Asked(TASK, VALUES, True, 0.0, 0.0))
+    assert (plan.gait, scripted.calls) == (gait, calls)
 
 
 @pytest.mark.parametrize(

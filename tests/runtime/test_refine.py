@@ -12,7 +12,8 @@ from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime import ArtifactError, GaitMap
 from gaitflow.runtime.atlas import Atlas, Prediction
-from gaitflow.runtime.attempt import Attempt, Candidate
+from gaitflow.runtime.attempt import Attempt, Candidate, Effort
+from gaitflow.runtime.problem import Problem
 from gaitflow.runtime.refine import LIMIT, Refiner
 from gaitflow.solvers.options import CONVERGED
 
@@ -68,10 +69,27 @@ def test_nodes_nearby_help_where_the_prediction_misleads(
     assert attempt.cost == pytest.approx(good.cost, rel=1e-6)
 
 
-def test_what_no_try_solves_is_told_as_it_is(refiner: Refiner, tiny: TinyMap, monkeypatch: pytest.MonkeyPatch) -> None:
+def mislead(tiny: TinyMap, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither the atlas' predictions nor its nodes lead anywhere."""
     monkeypatch.setattr(Atlas, "predict", lost_prediction)
     wrong = [lost_prediction(tiny.atlas, 1, TASK)]
     monkeypatch.setattr(Atlas, "nearest", lambda *arguments: wrong)
+
+
+def test_the_nominal_start_helps_where_the_atlas_misleads(
+    refiner: Refiner, tiny: TinyMap, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    good = refiner.fast(Candidate(GALLOP, 1), TASK)
+    mislead(tiny, monkeypatch)
+    attempt = refiner.fast(Candidate(GALLOP, 1), TASK)
+    assert attempt.refined and attempt.method == "fast"
+    assert attempt.cost == pytest.approx(good.cost, rel=1e-6)
+    assert not refiner.fast(Candidate(GALLOP, 1), TASK, Effort.RIVAL).refined, "a rival has not so many starts"
+
+
+def test_what_no_try_solves_is_told_as_it_is(refiner: Refiner, tiny: TinyMap, monkeypatch: pytest.MonkeyPatch) -> None:
+    mislead(tiny, monkeypatch)
+    monkeypatch.setattr(Problem, "nominal", lambda problem, task: np.full(tiny.problem.layout.nw, 50.0))
     attempt = refiner.fast(Candidate(GALLOP, 1), TASK)
     assert not attempt.refined and attempt.solver_status == "not converged"
     assert not attempt.feasible and attempt.violation == checked(tiny, attempt, TASK)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gaitflow.core.trajectory import Array
-from gaitflow.runtime.atlas import NEAR_AXES, Atlas
+from gaitflow.runtime.atlas import Atlas
 from gaitflow.runtime.starts import Start, starts_of
 from tests.helpers.sheets import LAYOUT, sheet, space
 
@@ -22,33 +22,34 @@ def atlas(axes: int) -> Atlas:
     return Atlas(names, np.ones(axes), 1e-4, (sheet(places, np.full(2, COST), np.zeros((2, axes))),))
 
 
-def unasked() -> Array:
-    raise AssertionError("asked for a nominal start")
-
-
 def starts(axes: int, place: Array) -> list[Start]:
-    return list(starts_of(atlas(axes), 0, place, unasked if axes <= NEAR_AXES else lambda: NOMINAL))
+    return list(starts_of(atlas(axes), 0, place, lambda: NOMINAL))
+
+
+def is_nominal(start: Start) -> bool:
+    multipliers = (start.point.rows, start.point.lower, start.point.upper)
+    return np.array_equal(start.point.free, NOMINAL[space().free]) and not any(each.any() for each in multipliers)
 
 
 @pytest.mark.parametrize("axes", [1, 2, 3])
-def test_over_few_axes_the_prediction_is_first(axes: int) -> None:
-    first, second, third = starts(axes, np.full(axes, 0.2))
+def test_over_few_axes_the_prediction_is_first_and_the_nominal_start_last(axes: int) -> None:
+    first, second, third, last = starts(axes, np.full(axes, 0.2))
     assert first.careful and first.point.lower.any() and first.unit == pytest.approx(COST)
     np.testing.assert_array_equal(second.point.free, first.point.free)
     assert not second.point.lower.any() and second.barrier > third.barrier > first.barrier
     assert third.point.lower.any() and not third.careful
+    assert is_nominal(last) and last.careful and last.unit == pytest.approx(COST)
 
 
 @pytest.mark.parametrize("axes", [4, 5])
 def test_over_many_axes_the_nominal_start_is_first(axes: int) -> None:
     first, *others = starts(axes, np.full(axes, 0.2))
-    np.testing.assert_array_equal(first.point.free, NOMINAL[space().free])
-    assert first.careful and first.unit == pytest.approx(COST)
-    assert not any(numbers.any() for numbers in (first.point.rows, first.point.lower, first.point.upper))
-    assert len(others) == 3
+    assert is_nominal(first) and first.careful and first.unit == pytest.approx(COST)
+    assert len(others) == 3 and not any(is_nominal(each) for each in others)
 
 
-@pytest.mark.parametrize(("axes", "count"), [(2, 1), (4, 2)])
-def test_far_from_all_nodes_a_node_is_left(axes: int, count: int) -> None:
+@pytest.mark.parametrize(("axes", "nominal"), [(2, [False, True]), (4, [True, False])])
+def test_far_from_all_nodes_a_node_and_the_nominal_start_are_left(axes: int, nominal: list[bool]) -> None:
     found = starts(axes, np.full(axes, 9.0))
-    assert len(found) == count and all(start.unit == pytest.approx(COST) for start in found)
+    assert [is_nominal(each) for each in found] == nominal
+    assert all(start.unit == pytest.approx(COST) for start in found)

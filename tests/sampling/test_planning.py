@@ -13,9 +13,8 @@ from tiny_map import tiny_atlas, tiny_growth
 from gaitflow.atlas.plan_solver import PlanSolver, Try
 from gaitflow.runtime import GaitMap
 from gaitflow.runtime.atlas import Atlas
-from gaitflow.runtime.attempt import STARTS
-from gaitflow.runtime.refine import LIMIT, RIVAL_LIMIT
-from gaitflow.sampling.planning import Nominal, Planned, solves, together
+from gaitflow.runtime.refine import FIRST_STARTS, LIMIT, RIVAL_LIMIT, RIVAL_STARTS
+from gaitflow.sampling.planning import Planned, solves, together
 from tests.helpers.sheets import LAYOUT, sheet
 
 STEPS = np.array([1.0, 1.0])
@@ -32,9 +31,8 @@ def atlas(*sheets: object) -> Atlas:
     return Atlas(("speed", "cycle_duration"), STEPS, 1e-4, tuple(sheets))  # type: ignore[arg-type]
 
 
-def unasked(place: tuple[float, ...]) -> np.ndarray:
-    """The nominal start over few axes, where no plan takes it."""
-    raise AssertionError(f"asked for a nominal start at {place}")
+def nominal(place: tuple[float, ...]) -> np.ndarray:
+    return np.zeros(LAYOUT.nw)
 
 
 class Solver:
@@ -54,7 +52,6 @@ def planned(
     place: tuple[float, ...],
     costs: Mapping[int, float],
     chances: Sequence[float] | None = None,
-    nominal: Nominal = unasked,
 ) -> tuple[Planned | None, list[int]]:
     """The plan, and the patterns that were solved in their order."""
     solver = Solver(costs)
@@ -79,7 +76,7 @@ def test_what_may_cost_less_than_was_found_is_solved_too() -> None:
         ([0.97, 0.02, 0.01, 0.0], {0: 1.0, 1: 0.9, 2: 0.8}, Planned(0, 1.0), [0]),
         ([0.51, 0.04, 0.45, 0.0], {0: 1.0, 1: 0.9, 2: 0.8}, Planned(2, 0.8), [0, 2]),
         ([0.2, 0.3, 0.5, 0.0], {0: 1.0, 1: 0.9, 2: 0.95}, Planned(1, 0.9), [2, 0, 1]),
-        ([0.04, 0.95, 0.01, 0.0], {0: 1.0, 2: 0.8}, Planned(0, 1.0), [1] * STARTS + [0]),
+        ([0.04, 0.95, 0.01, 0.0], {0: 1.0, 2: 0.8}, Planned(0, 1.0), [1] * FIRST_STARTS + [0]),
         ([0.29, 0.01, 0.0, 0.7], {0: 1.0, 1: 1.2}, Planned(0, 1.0), [0]),  # the likeliest is not known there
         ([0.95, 0.01, 0.04, 0.0], {0: 1.5, 1: 1.2, 2: 1.6}, Planned(1, 1.2), [0, 1]),
         ([0.95, 0.002, 0.048, 0.0], {0: 1.5, 1: 1.2, 2: 1.6}, Planned(0, 1.5), [0]),
@@ -92,7 +89,7 @@ def test_over_many_axes_likely_gaits_are_solved_first_and_in_any_case_and_unlike
     known = [(0, 1.0), (1, 1.2), (2, 1.6), (2, 1.7), (3, 0.5)]
     sheets = [sheet_of(gait, cost, places + 100.0 * (gait == 3)) for gait, cost in known]
     made = Atlas(("speed", "lateral_speed", "yaw_rate", "cycle_duration"), np.ones(4), 1e-4, tuple(sheets))  # type: ignore[arg-type]
-    assert planned(made, (0.5,) * 4, costs, chances, lambda place: np.zeros(LAYOUT.nw)) == (plan, solved)
+    assert planned(made, (0.5,) * 4, costs, chances) == (plan, solved)
 
 
 def test_a_half_believed_rival_is_solved_too() -> None:
@@ -104,8 +101,8 @@ def test_a_half_believed_rival_is_solved_too() -> None:
 
 def test_a_gait_without_a_motion_is_tried_from_its_nodes_and_left_for_the_next() -> None:
     made = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2))
-    assert planned(made, AMID, {1: 1.2}) == (Planned(1, 1.2), [0] * STARTS + [1])
-    assert planned(made, AMID, {}) == (None, [0] * STARTS + [1] * STARTS)
+    assert planned(made, AMID, {1: 1.2}) == (Planned(1, 1.2), [0] * FIRST_STARTS + [1])
+    assert planned(made, AMID, {}) == (None, [0] * FIRST_STARTS + [1] * FIRST_STARTS)
 
 
 def test_where_no_gait_is_known_nothing_is_solved() -> None:
@@ -114,24 +111,39 @@ def test_where_no_gait_is_known_nothing_is_solved() -> None:
 
 def test_tasks_are_solved_side_by_side() -> None:
     made, solver = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2)), Solver({1: 1.2})
-    asked, told = [solves(made, place, [0, 1], unasked) for place in (AMID, (9.0, 9.0), (0.5, 0.5))], list[int]()
+    asked, told = [solves(made, place, [0, 1], nominal) for place in (AMID, (9.0, 9.0), (0.5, 0.5))], list[int]()
     plans = together(asked, solver, told.append)
-    assert told == [1] * (STARTS + 1) + [3], "how many have ended"
+    assert told == [1] * (FIRST_STARTS + 1) + [3], "how many have ended"
     assert plans == [Planned(1, 1.2), None, Planned(1, 1.2)]
-    assert solver.batches == [[0, 0]] * STARTS + [[1, 1]]
+    assert solver.batches == [[0, 0]] * FIRST_STARTS + [[1, 1]]
 
 
 @pytest.mark.parametrize(("cost", "limit"), [(1.5, RIVAL_LIMIT), (3.0, LIMIT)])
 def test_what_may_save_a_little_gets_fewer_iterations(cost: float, limit: int) -> None:
     made, solver = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2)), Solver({0: cost, 1: 1.2})
-    together([solves(made, AMID, [0, 1], unasked)], solver)
+    together([solves(made, AMID, [0, 1], nominal)], solver)
     assert (solver.batches, solver.limits) == ([[0], [1]], [LIMIT, limit])
+
+
+def test_a_rival_has_a_second_start() -> None:
+    made, solver = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2)), Solver({0: 1.5})
+    assert together([solves(made, AMID, [0, 1], nominal)], solver) == [Planned(0, 1.5)]
+    assert (solver.batches, solver.limits) == ([[0], *[[1]] * RIVAL_STARTS], [LIMIT, *[RIVAL_LIMIT] * RIVAL_STARTS])
+
+
+@pytest.mark.parametrize(("cost", "plan", "solved"), [(3.9, 3.9, [0]), (4.1, 4.0, [0, 1])])
+def test_where_a_cost_is_far_above_what_it_might_have_been_dearer_rivals_are_solved_too(
+    cost: float, plan: float, solved: list[int]
+) -> None:
+    made = atlas(sheet_of(0, 1.0), sheet_of(1, 4.5), sheet_of(2, 5.3))
+    found, patterns = planned(made, AMID, {0: cost, 1: 4.0, 2: 1.0})
+    assert found is not None and (found.cost, patterns) == (plan, solved)
 
 
 @pytest.mark.parametrize("number", [0, 3])
 def test_as_many_plans_as_tasks(number: int) -> None:
     made = atlas(sheet_of(0, 1.0))
-    assert len(together([solves(made, AMID, [0], unasked) for _ in range(number)], Solver({0: 1.0}))) == number
+    assert len(together([solves(made, AMID, [0], nominal) for _ in range(number)], Solver({0: 1.0}))) == number
 
 
 def test_plans_are_those_of_the_published_map(pristine: Path) -> None:
@@ -141,7 +153,7 @@ def test_plans_are_those_of_the_published_map(pristine: Path) -> None:
     places = [
         tuple(rng.uniform([axis[0] for axis in grown.grid], [axis[-1] for axis in grown.grid])) for _ in range(12)
     ]
-    plans = together([solves(tiny_atlas(), place, [0, 1], unasked) for place in places], solver.costs_from)
+    plans = together([solves(tiny_atlas(), place, [0, 1], nominal) for place in places], solver.costs_from)
     for place, plan in zip(places, plans, strict=True):
         published = gait_map.plan(**dict(zip(gait_map.axes, place, strict=True)), beyond=True)
         assert plan is not None and published.feasible and published.path != "fallback"

@@ -51,17 +51,18 @@ gaitflow::Refiner* gaitflow_new_refiner(const gaitflow::GaitMap* map) {
 
 void gaitflow_delete_refiner(gaitflow::Refiner* refiner) { delete refiner; }
 
-// Refines gait number `gait` by a sheet of the atlas, or from its region's mean where `sheet` is -1, at a place [axes]
-// from at most `most` starts: a motion [nw], and its cost in the scenario's units. Returns 1 where it converged, else 0.
+// Refines gait number `gait` by a sheet of the atlas, or from its region's mean where `sheet` is -1, at a place [axes],
+// with an `Effort` of 1 to 3: a motion [nw], and its cost in the scenario's units. Returns 1 where it converged, else 0.
 int gaitflow_refine(gaitflow::Refiner* refiner, const gaitflow::GaitMap* map, std::size_t gait, std::ptrdiff_t sheet,
-                    const double* place, std::size_t most, double* motion, double* cost, std::size_t* iterations) {
+                    const double* place, std::size_t effort, double* motion, double* cost, std::size_t* iterations) {
   return guarded<int>(-1, [&] {
     const auto& sheets = map->file().atlas.sheets;
     if (gait >= map->gaits().size() || sheet < -1 || sheet >= static_cast<std::ptrdiff_t>(sheets.size()))
       throw std::invalid_argument("the map has no such gait or sheet");
     const gaitflow::Candidate candidate{gait, sheet < 0 ? nullptr : &sheets[static_cast<std::size_t>(sheet)]};
-    const gaitflow::Attempt attempt =
-        refiner->fast(candidate, gaitflow::Vector(place, place + map->axes().size()), most);
+    if (effort < 1 || effort > 3) throw std::invalid_argument("an effort is 1, 2 or 3");
+    const gaitflow::Vector asked(place, place + map->axes().size());
+    const gaitflow::Attempt attempt = refiner->fast(candidate, asked, static_cast<gaitflow::Effort>(effort));
     std::copy(attempt.primal.begin(), attempt.primal.end(), motion);
     *cost = attempt.cost;
     *iterations = attempt.iterations;

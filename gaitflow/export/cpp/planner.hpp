@@ -94,8 +94,11 @@ class Planner {
   }
 
  private:
-  // Relative cost that another one must promise to save, and for which it is solved from a second start.
+  // Relative cost that another one must promise to save, and for which it is tried harder.
   static constexpr double least_saving = 1e-3, great_saving = 0.5;
+  // Over few axes, where the first motion costs over `surprise` times what it might have at the least: the share of the
+  // least cost so far below which another one has to be for being tried.
+  static constexpr double surprise = 4.0, surprised = 1.25;
   // Probabilities from which on a gait is tried over many axes whatever it may cost, and below which only if it is first.
   static constexpr double likely = 0.05, unlikely = 0.003;
 
@@ -137,10 +140,12 @@ class Planner {
     }
     std::stable_sort(rivals.begin(), rivals.end(), [](const auto& one, const auto& other) { return one.first < other.first; });
     double cost = done.back().cost;
+    const bool is_surprise = cost > surprise * refiner_.least(*done.back().candidate, place);
+    const double share = is_surprise && place.size() <= AtlasView::near_axes ? surprised : 1 - least_saving;
     for (const auto& [least, rival] : rivals) {
       const bool is_sure = std::find(sure.begin(), sure.end(), rival) != sure.end();
-      if (!is_sure && !(least < cost * (1 - least_saving))) continue;
-      done.push_back(refiner_.fast(*rival, place, least < cost * (1 - great_saving) ? 2 : 1));
+      if (!is_sure && !(least < cost * share)) continue;
+      done.push_back(refiner_.fast(*rival, place, least < cost * (1 - great_saving) ? Effort::promising : Effort::rival));
       if (done.back().refined()) cost = std::min(cost, done.back().cost);
     }
     return done;

@@ -30,6 +30,9 @@ struct Attempt {
   bool refined() const { return feasible() && ending == Ending::converged; }
 };
 
+// How hard a candidate is tried: as a rival, as one that promises much, or as the first of a plan.
+enum class Effort : std::size_t { rival = 1, promising = 2, first = 3 };
+
 // A map's gaits, each pattern with a matrix of its own, ordered once. For one thread.
 class Refiner {
  public:
@@ -38,17 +41,18 @@ class Refiner {
     for (const Sheet& sheet : map.file().atlas.sheets) method(sheet.space);
   }
 
-  // Solve for a place from one of its `Starts` after the other; `most` is how many there may be. Where none converges the
-  // motion is the last one's.
-  Attempt fast(const Candidate& candidate, const Vector& place, std::size_t most = Starts::most) {
+  // Solve for a place from one of its `Starts` after the other. Where none converges the motion is the last one's.
+  Attempt fast(const Candidate& candidate, const Vector& place, Effort effort = Effort::first) {
     const Vector task = map_.parameters(place);
     const double scale = map_.file().cost_scale;
-    // The nominal start leads to a motion in the end.
-    const std::size_t iterations = most == 1 && place.size() <= AtlasView::near_axes ? rival_limit : limit;
+    const bool is_rival = effort == Effort::rival, is_wide = place.size() > AtlasView::near_axes;
+    const std::size_t iterations = is_rival && !is_wide ? rival_limit : limit;
+    std::size_t left = effort == Effort::first ? first_starts : promising_starts;
+    if (is_rival) left = is_wide ? 1 : rival_starts;  // the nominal start leads to a motion in the end
     InteriorPoint& method = this->method(space_of(candidate));
     Starts starts(map_, program_, candidate, place, task);
     Attempt attempt{&candidate, Ending::lost, 0, 0, 0, {}};
-    for (Start start; most-- > 0 && starts.next(start);) {
+    for (Start start; left-- > 0 && starts.next(start);) {
       const Outcome outcome = method.follow(task, start.point, start.unit, start.barrier, iterations, start.careful);
       attempt.ending = outcome.ending;
       attempt.cost = outcome.cost * scale;
@@ -67,7 +71,8 @@ class Refiner {
   }
 
  private:
-  static constexpr std::size_t limit = 60, rival_limit = 30;  // iterations of a start, and of the only one
+  static constexpr std::size_t limit = 60, rival_limit = 30;  // iterations of a start, and of a rival's
+  static constexpr std::size_t first_starts = 4, promising_starts = 2, rival_starts = 2;
 
   const Space& space_of(const Candidate& candidate) const {
     return candidate.sheet ? candidate.sheet->space : map_.gaits()[candidate.gait].space;

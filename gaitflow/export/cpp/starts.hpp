@@ -19,12 +19,10 @@ struct Start {
   bool careful;
 };
 
-// Over many axes from the nominal start; from the prediction, with and without its multipliers; then from a node. Where
-// the atlas does not know the gait, from the mean of its region. A start is made when it is asked for.
+// From the prediction, with and without its multipliers; from a node; from the nominal start, which over many axes comes
+// first. Where the atlas does not know the gait, from the mean of its region. A start is made when it is asked for.
 class Starts {
  public:
-  static constexpr std::size_t most = 3;  // starts of a candidate
-
   // The arguments have to live as long; task [p] is the place's.
   Starts(const GaitMap& map, Program& program, const Candidate& candidate, const Vector& place, const Vector& task)
       : map_(map), program_(program), candidate_(candidate), place_(place), task_(task), atlas_(map.file().atlas) {
@@ -32,13 +30,15 @@ class Starts {
       left_ = {Kind::mean};
       return;
     }
-    if (place.size() > AtlasView::near_axes) left_.push_back(Kind::nominal);
+    const bool is_wide = place.size() > AtlasView::near_axes;
+    if (is_wide) left_.push_back(Kind::nominal);
     if (atlas_.predict(*candidate.sheet, place, predicted_.point, predicted_.cost)) {
       left_.insert(left_.end(), {Kind::prediction, Kind::primal});
     } else {
       predicted_.cost = node(1).cost;
     }
     left_.push_back(Kind::node);
+    if (!is_wide) left_.push_back(Kind::nominal);
   }
 
   // The next one; false where there are no more.
