@@ -26,7 +26,7 @@ from gaitflow.solvers.program import Program
 MEAN_BARRIER = 1e-2  # of the mean of a region, far from any task
 LIMIT = 60  # iterations of a try: near cliffs some need twice the usual 25, and another start takes as many again
 RIVAL_LIMIT = 30  # of each try of a candidate that may save a little: no plan of 137 came out dearer than with 60
-FIRST_STARTS, PROMISING_STARTS, RIVAL_STARTS = 4, 2, 2
+FIRST_STARTS, PROMISING_STARTS, RIVAL_STARTS = 4, 2, 2  # of a candidate, by `Effort`
 LEAST_COST = 1e-9
 
 
