@@ -189,8 +189,8 @@ def test_code_version_is_part_of_the_digest(scenario: Scenario, monkeypatch: pyt
 
 GOLDEN = [
     ("quickstart", {}, 5, "466574df649ebfaa", "5e89468b43e504c2"),
-    ("half-cheetah-slope20-vibration", {}, 21, "6aaca4199d7cf3d6", "0052b6d6b40a1613"),
-    ("anymal-flat-vibration", {}, 19, "4f9914cd50687365", "03a30ce063953882"),
+    ("half-cheetah-flat-vibration", {}, 21, "15280ad808cb958d", "6c042467c6ed3853"),
+    ("anymal-flat-vibration", {}, 16, "c4e5c9c8b6e6e151", "c8091e899477e177"),
     ("quickstart", {"name": "bonmin", "restarts": 7}, 60, "3abb93e47328c5a3", "095a07a0e2bd4839"),
     ("quickstart", {"name": "fixed_gait", "pattern": "0110/1100"}, 5, "8ce857fda40b8955", "c5334f7916b33620"),
 ]
