@@ -10,7 +10,7 @@ Span = tuple[float, float]
 
 
 def with_grid(scenario: Scenario, counts: Mapping[str, int], spans: Mapping[str, Span] | None = None) -> Scenario:
-    """The scenario with so many values on each of these axes, nothing held out, and one task a unit.
+    """The scenario with so many values on each of these axes, no task held out or chosen, and one task a unit.
 
     An axis runs over its range in the scenario, or over that in `spans`; one that has neither stays fixed. Any other
     axis with a range has the value at its start.
@@ -20,6 +20,6 @@ def with_grid(scenario: Scenario, counts: Mapping[str, int], spans: Mapping[str,
     for axis, (start, stop) in ranges.items():
         count = counts.get(axis, 1)
         data["tasks"]["axes"][axis] = {"start": start, "stop": stop if count > 1 else start, "count": count}
-    data["tasks"]["held_out"] = 0
+    data["tasks"] = {"axes": data["tasks"]["axes"]}
     data["strategy"]["tasks_per_unit"] = 1
     return Scenario.from_data(data, scenario.name)

@@ -12,6 +12,11 @@ from gaitflow.config.scenario import Scenario
 from gaitflow.core.task import Split, Task
 
 
+def on_grid(scenario: Scenario) -> Scenario:
+    """The scenario with all tasks of its grid, also where its map chooses its own."""
+    return scenario.model_copy(update={"tasks": scenario.tasks.model_copy(update={"sampling": "grid"})})
+
+
 def task_key(scenario: Scenario, task: Task) -> dict[str, float]:
     """The task's values by axis, on speed, cycle_duration and whatever else the scenario ranges over."""
     return {axis: task[axis] for axis in scenario.tasks.space.columns}

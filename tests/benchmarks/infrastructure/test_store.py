@@ -7,13 +7,18 @@ import pytest
 
 from benchmarks.infrastructure import store as module
 from benchmarks.infrastructure.store import extrapolate, planned, run
-from gaitflow.config.scenario import Scenario
+from gaitflow.config.scenario import Scenario, Tasks
 from gaitflow.store.units import plan_units
 
 
 @pytest.mark.parametrize("size", [1, 7, 60, 1000])
 def test_a_plan_of_any_size(scenario: Scenario, size: int) -> None:
     assert len({unit.digest for unit in plan_units(planned(scenario, size))}) == size
+
+
+def test_a_plan_of_a_scenario_whose_map_chooses_its_tasks(scenario: Scenario) -> None:
+    chosen = scenario.model_copy(update={"tasks": Tasks(axes=scenario.tasks.axes, sampling="adaptive")})
+    assert planned(chosen, 60) == planned(scenario, 60)
 
 
 def test_the_straight_line_through_the_last_two_rows() -> None:

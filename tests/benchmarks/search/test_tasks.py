@@ -3,8 +3,10 @@ from __future__ import annotations
 import pytest
 from tasks_at import at
 
-from benchmarks.search.tasks import middle, spread_tasks, task_key, task_of
+from benchmarks.search.search import bonmin
+from benchmarks.search.tasks import middle, on_grid, spread_tasks, task_key, task_of
 from gaitflow.config.scenario import Range, Scenario, Tasks
+from gaitflow.config.tasks import grid_of, tasks_of
 
 
 def test_tasks_are_on_the_grid_spread_over_it_and_repeatable(scenario: Scenario) -> None:
@@ -54,3 +56,10 @@ def test_tasks_spread_over_every_axis_with_a_range(scenario: Scenario) -> None:
     assert {(task.cycle_duration, task["friction"]) for task in drawn} == {(0.7, 0.6)}
     assert len(spread_tasks(_with_axes(scenario), 15, 0)) == 15
     assert middle(_with_axes(scenario)) == at(0.0, 0.7, slope=10.0, friction=0.6)
+
+
+def test_a_bench_has_the_grid_of_a_scenario_whose_map_chooses_its_tasks(scenario: Scenario) -> None:
+    chosen = scenario.model_copy(update={"tasks": Tasks(axes=scenario.tasks.axes, sampling="adaptive")})
+    assert {task.split for task in tasks_of(chosen)} == {"sampled"}
+    assert tasks_of(on_grid(chosen)) == grid_of(scenario)
+    assert bonmin(on_grid(chosen)).as_data()["strategy"]["name"] == "bonmin", "a search that no sampling takes"
