@@ -17,7 +17,7 @@ from benchmarks.infrastructure import faults, overhead, scale, speedup, store
 from benchmarks.online import certify, cpp, map, online, select, speed
 from benchmarks.paper import discovery, minlp, phases, ranking, stances, table1, table2
 from benchmarks.search import certificate, mesh, referee, sampling, scaling
-from benchmarks.search.tasks import on_grid, task_of
+from benchmarks.search.tasks import gridded, task_of
 from gaitflow.config.cluster import Profile
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.task import Task
@@ -40,39 +40,39 @@ def measure(
     """Run one bench and return its document; `tasks` None takes the bench's own number.
 
     `tasks` is for `scaling` the solves a size, for `referee` the solved patterns, for `store` and `scale` the largest
-    plan. With a `profile`, `speedup` runs on the jobs of that cluster; no other bench takes one. What a bench solves
-    are tasks of the grid, also where the scenario's map chooses its own; `certify` and `sampling` draw theirs.
+    plan. With a `profile`, `speedup` runs on the jobs of that cluster; no other bench takes one. Benches of
+    grid tasks take the scenario's grid also where its map chooses its tasks.
 
     Raises ValueError, FileNotFoundError or StageMissing when what a bench reads (a run, a published map) is not there,
     ValueError also for a profile where there can be none.
     """
     if profile is not None and name != "speedup":
         raise ValueError(f"bench {name} runs on this machine; a profile is for `bench speedup` only")
-    runs, gridded = workspace.root / "runs", on_grid(scenario)
+    runs, grid = workspace.root / "runs", gridded(scenario)
     own: dict[str, Any] = {} if tasks is None else {"tasks": tasks}
     benches: dict[str, Callable[[], dict[str, Any]]] = {
         "certificate": lambda: certificate.run(
-            gridded, _grid_labels(workspace, scenario), seed=seed, runs=runs, **own
+            grid, _grid_labels(workspace, scenario), seed=seed, runs=runs, **own
         ),
         "certify": lambda: certify.run(workspace, resolve(workspace.models / scenario.name), tasks, seed),
         "clients": lambda: starts.run(resolve(workspace.models / scenario.name), seed=seed, **own),
         "cpp": lambda: cpp.run(resolve(workspace.models / scenario.name), seed=seed, **own),
         "discovery": lambda: discovery.run(
-            gridded, seed=seed, runs=runs, map_cpu_s=_map_cpu(workspace, scenario), **own
+            grid, seed=seed, runs=runs, map_cpu_s=_map_cpu(workspace, scenario), **own
         ),
         "drive": lambda: drive.run(resolve(workspace.models / scenario.name), seed=seed, **own),
         "faults": partial(faults.faults, scenario, tasks or 12, 20, seed),
         "hostile": lambda: hostile.run(Path(__file__).parents[1], seed=seed, tasks=tasks),
         "map": partial(_map, workspace, scenario),
-        "mesh": lambda: mesh.run(gridded, seed=seed, runs=runs, **own),
-        "minlp": lambda: minlp.run(gridded, seed=seed, runs=runs, **own),
+        "mesh": lambda: mesh.run(grid, seed=seed, runs=runs, **own),
+        "minlp": lambda: minlp.run(grid, seed=seed, runs=runs, **own),
         "online": lambda: online.run(
             scenario, resolve(workspace.models / scenario.name), seed=seed, runs=runs, **own
         ),
         "overhead": lambda: overhead.run(scenario, runs=runs, **own),
         "phases": partial(_phases, workspace, scenario),
         "ranking": lambda: ranking.run(scenario, load_solutions(workspace.run(scenario).solutions)),
-        "referee": lambda: referee.run(gridded, seed=seed, runs=runs, **own),
+        "referee": lambda: referee.run(grid, seed=seed, runs=runs, **own),
         "sampling": lambda: sampling.run(scenario, workspace.run(scenario), runs),
         "scale": lambda: scale.run(scenario, runs=runs, **own),
         "scaling": partial(_scaling, workspace, tasks or 10, seed),
@@ -81,9 +81,9 @@ def measure(
         "speedup": lambda: speedup.run(scenario, profile=profile, runs=runs, **own),
         "stances": partial(_stances, workspace, scenario),
         "store": lambda: store.run(scenario, runs=runs, **own),
-        "table1": lambda: table1.run(gridded, resolve(workspace.models / scenario.name), seed=seed, runs=runs, **own),
+        "table1": lambda: table1.run(grid, resolve(workspace.models / scenario.name), seed=seed, runs=runs, **own),
         "table2": lambda: table2.run(
-            gridded, resolve(workspace.models / scenario.name), _document(workspace, "minlp", scenario), seed=seed,
+            grid, resolve(workspace.models / scenario.name), _document(workspace, "minlp", scenario), seed=seed,
             runs=runs, **own,
         ),
         "walk": lambda: walk.run(

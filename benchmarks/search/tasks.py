@@ -12,7 +12,7 @@ from gaitflow.config.scenario import Scenario
 from gaitflow.core.task import Split, Task
 
 
-def on_grid(scenario: Scenario) -> Scenario:
+def gridded(scenario: Scenario) -> Scenario:
     """The scenario with all tasks of its grid, also where its map chooses its own."""
     return scenario.model_copy(update={"tasks": scenario.tasks.model_copy(update={"sampling": "grid"})})
 

@@ -4,7 +4,7 @@ import pytest
 from tasks_at import at
 
 from benchmarks.search.search import bonmin
-from benchmarks.search.tasks import middle, on_grid, spread_tasks, task_key, task_of
+from benchmarks.search.tasks import gridded, middle, spread_tasks, task_key, task_of
 from gaitflow.config.scenario import Range, Scenario, Tasks
 from gaitflow.config.tasks import grid_of, tasks_of
 
@@ -61,5 +61,5 @@ def test_tasks_spread_over_every_axis_with_a_range(scenario: Scenario) -> None:
 def test_a_bench_has_the_grid_of_a_scenario_whose_map_chooses_its_tasks(scenario: Scenario) -> None:
     chosen = scenario.model_copy(update={"tasks": Tasks(axes=scenario.tasks.axes, sampling="adaptive")})
     assert {task.split for task in tasks_of(chosen)} == {"sampled"}
-    assert tasks_of(on_grid(chosen)) == grid_of(scenario)
-    assert bonmin(on_grid(chosen)).as_data()["strategy"]["name"] == "bonmin", "a search that no sampling takes"
+    assert tasks_of(gridded(chosen)) == grid_of(scenario)
+    assert bonmin(gridded(chosen)).as_data()["strategy"]["name"] == "bonmin", "a search that no sampling takes"
