@@ -1,7 +1,7 @@
 """What a map in the making plans: the motions of `gaitflow.runtime.plan`, for many tasks side by side.
 
-A plan's solves follow from each other, so each task has a generator that asks for the next one. All that are asked for
-at once are solved together, in several processes.
+A plan's solves follow from each other, so each task has a generator that asks for the next one. What the generators at
+work ask for is solved together, in several processes.
 """
 
 from __future__ import annotations
@@ -32,6 +32,8 @@ Solves = Generator[Asked, float | None, "Planned | None"]  # asks for solves, he
 Solved = Generator[Asked, float | None, float | None]  # asks for the solves of one sheet, ends with its cost
 Nominal = Callable[[Place], Array]  # the nominal start w [nw] at a place
 Chances = Callable[[Array], Array]  # at places [n, axes] the probability of each gait of the map to be the best [n, G]
+
+AT_ONCE = 256  # tasks at work: enough for many processes, and few enough that some end soon and progress moves
 
 
 @dataclass(frozen=True)
@@ -171,23 +173,26 @@ def together(
     solve: Callable[[Sequence[Try], int], Sequence[float | None]],
     on_plans: Callable[[int], None] = lambda done: None,
 ) -> list[Planned | None]:
-    """What generators end with; `solve` is given the requests of all that go on, those of one limit at a time.
+    """What generators end with, `AT_ONCE` of them at work; `solve` is given their requests, those of one limit at once.
 
-    `on_plans` hears how many have ended, each time that all others ask for another solve.
+    `on_plans` hears how many have ended, each time that all others at work ask for another solve.
     """
-    going = list(asked)
-    found: list[Planned | None] = [None] * len(going)
-    answers: dict[int, float | None] = dict.fromkeys(range(len(going)))
+    generators = list(asked)
+    found: list[Planned | None] = [None] * len(generators)
+    waiting, ended = iter(range(len(generators))), 0
+    answers: dict[int, float | None] = dict.fromkeys(islice(waiting, AT_ONCE))
     while answers:
         requests: dict[int, dict[int, Try]] = {}
         for number, answer in answers.items():
             try:
-                request, limit = going[number].send(answer)
+                request, limit = generators[number].send(answer)
                 requests.setdefault(limit, {})[number] = request
             except StopIteration as end:
                 found[number] = end.value
-        on_plans(len(going) - sum(map(len, requests.values())))
+                ended += 1
+        on_plans(ended)
         answers = {}
         for limit, each in requests.items():
             answers |= zip(each, solve(list(each.values()), limit), strict=True)
+        answers |= dict.fromkeys(islice(waiting, AT_ONCE - len(answers)))
     return found

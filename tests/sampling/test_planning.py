@@ -14,7 +14,7 @@ from gaitflow.atlas.plan_solver import PlanSolver, Try
 from gaitflow.runtime import GaitMap
 from gaitflow.runtime.atlas import Atlas
 from gaitflow.runtime.refine import FIRST_STARTS, LIMIT, RIVAL_LIMIT, RIVAL_STARTS
-from gaitflow.sampling.planning import Planned, solves, together
+from gaitflow.sampling.planning import AT_ONCE, Planned, solves, together
 from tests.helpers.sheets import LAYOUT, sheet
 
 STEPS = np.array([1.0, 1.0])
@@ -116,6 +116,14 @@ def test_tasks_are_solved_side_by_side() -> None:
     assert told == [1] * (FIRST_STARTS + 1) + [3], "how many have ended"
     assert plans == [Planned(1, 1.2), None, Planned(1, 1.2)]
     assert solver.batches == [[0, 0]] * FIRST_STARTS + [[1, 1]]
+
+
+def test_of_many_tasks_only_some_are_at_work_so_that_progress_moves() -> None:
+    made, solver, told = atlas(sheet_of(0, 1.0)), Solver({0: 1.0}), list[int]()
+    asked = [solves(made, AMID, [0], nominal) for _ in range(2 * AT_ONCE + 3)]
+    assert together(asked, solver, told.append) == [Planned(0, 1.0)] * len(asked)
+    assert [len(batch) for batch in solver.batches] == [AT_ONCE, AT_ONCE, 3]
+    assert sorted(set(told)) == [0, AT_ONCE, 2 * AT_ONCE, len(asked)], "how many have ended"
 
 
 @pytest.mark.parametrize(("cost", "limit"), [(1.5, RIVAL_LIMIT), (3.0, LIMIT)])
