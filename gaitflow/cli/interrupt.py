@@ -1,4 +1,7 @@
-"""Ctrl-C at any moment: one line on standard error and exit code 130, as a shell has it, without a traceback."""
+"""Ctrl-C at any moment: one line on standard error and exit code 130, as a shell has it, without a traceback.
+
+The same holds for SIGTERM, which a cluster sends at a job's time limit, and when a terminal is closed.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +9,11 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from contextlib import contextmanager
 from types import FrameType
 
-from gaitflow.execute.stop_request import SPOKEN_FOR
+from gaitflow.execute.stop_request import SIGNALS, SPOKEN_FOR
 
 STOPPED = "stopped; the same command goes on"
 PATIENCE_S = 3.0
@@ -20,17 +23,17 @@ CLEAN_LINE = b"\r\x1b[K\x1b[?25h"  # over a bar, and with the cursor that it hid
 @contextmanager
 def while_importing() -> Iterator[None]:
     """Leave at once on Ctrl-C: in an import there is nothing to tidy up, and nobody yet who would catch it."""
-    with _on_ctrl_c(lambda number, frame: _leave_now()):
+    with _heard({signal.SIGINT}, lambda number, frame: _leave_now()):
         yield
 
 
 @contextmanager
 def while_running() -> Iterator[None]:
-    """Let Ctrl-C raise KeyboardInterrupt, so that files half written are removed, and leave when that has come up.
+    """Let `SIGNALS` raise KeyboardInterrupt, so that files half written are removed, and leave when that has come up.
 
     Compiled code may lose that exception, or turn it into another one, and Python itself prints it and goes on in a
-    finaliser. So whatever comes up after Ctrl-C counts for it, and when nothing does the process is left after
-    PATIENCE_S, or at another Ctrl-C.
+    finaliser. So whatever comes up after a signal counts for it, and when nothing does the process is left after
+    PATIENCE_S, or at another signal. One that the process was told to ignore, as `nohup` does, stays ignored.
     """
     asked = threading.Event()
     last_resort = threading.Timer(PATIENCE_S, _leave_now)
@@ -48,7 +51,7 @@ def while_running() -> Iterator[None]:
             told_before(unraisable)
 
     told_before, sys.unraisablehook = sys.unraisablehook, lost
-    with _on_ctrl_c(interrupt):
+    with _heard({each for each in SIGNALS if signal.getsignal(each) is not signal.SIG_IGN}, interrupt):
         try:
             yield
         except BaseException as error:
@@ -63,7 +66,7 @@ def while_running() -> Iterator[None]:
 
 
 @contextmanager
-def _on_ctrl_c(handler: signal._HANDLER) -> Iterator[None]:
+def _heard(signals: Set[signal.Signals], handler: signal._HANDLER) -> Iterator[None]:
     # A worker process imports the command line, too, under this name, and its parent stops it. So it leaves SIGINT
     # blocked: threads that libraries start while it is unblocked would hear Ctrl-C as long as the worker lives.
     # Everywhere else multiprocessing makes the same name an alias of the module `__main__`.
@@ -71,14 +74,15 @@ def _on_ctrl_c(handler: signal._HANDLER) -> Iterator[None]:
     if worker or threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGINT, handler)
-    # Whoever starts us may have blocked it, so that it waits until now: see `run_stoppable`.
+    before = {each: signal.signal(each, handler) for each in signals}
+    # Whoever starts us may have blocked SIGINT, so that it waits until now: see `run_stoppable`.
     mask = signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     try:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-        signal.signal(signal.SIGINT, before)
+        for each, earlier in before.items():
+            signal.signal(each, earlier)
 
 
 def _leave_now() -> None:

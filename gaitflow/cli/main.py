@@ -1,6 +1,6 @@
 """The command line. Every command is a few lines over the library.
 
-Exit codes: 0 done, 1 failed, 2 bad input, 130 stopped by Ctrl-C.
+Exit codes: 0 done, 1 failed, 2 bad input, 130 stopped: by Ctrl-C, SIGTERM or a closed terminal.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ COMMANDS = (
 
 
 class Interruptible(click.Group):
-    """A group whose commands may be stopped by Ctrl-C."""
+    """A group whose commands may be stopped, see `while_running`."""
 
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command that was given; a KeyboardInterrupt may say what was stopped, as `RunStopped` does."""

@@ -1,4 +1,4 @@
-"""Ctrl-C in a real terminal, at several moments of real commands; and the same signal without a terminal."""
+"""Ctrl-C in a real terminal, at several moments of real commands; and signals without a terminal."""
 
 from __future__ import annotations
 
@@ -179,6 +179,20 @@ def test_ctrl_c_in_every_later_stage(workspace: Path) -> None:
             else:
                 check(workspace, code, said, LINE)
         subprocess.run(command(stage, "small.yaml"), cwd=workspace, capture_output=True, check=True)
+
+
+def test_a_signal_that_is_to_be_ignored_stays_ignored() -> None:
+    script = """
+import os, signal
+from gaitflow.cli.interrupt import while_running
+signal.signal(signal.SIGHUP, signal.SIG_IGN)
+with while_running():
+    os.kill(os.getpid(), signal.SIGHUP)
+    print("goes on")
+assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+"""
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=20)
+    assert (run.returncode, run.stdout, run.stderr) == (0, "goes on\n", "")
 
 
 def test_without_a_terminal_the_whole_group_is_interrupted(workspace: Path) -> None:
