@@ -76,9 +76,14 @@ def run_units(
             begun = store.begun()
             missing.sort(key=lambda unit: unit.digest not in begun)
             give_up_after_lost_workers(store, missing)
-            with stop_request() as stop, open_client() as client:
-                _drain(missing, store, client, count, stop, window, solve)
-            if stop.is_set() and count.state.left:
+            with stop_request() as stop:
+                try:
+                    with open_client() as client:
+                        _drain(missing, store, client, count, stop, window, solve)
+                except Exception:
+                    if not stop.is_set():  # otherwise the cluster's processes may have heard it, too, and be gone
+                        raise
+            if stop.is_set():  # whoever called us may have more to do, even if all units are stored
                 raise RunStopped(f"stopped: {_how_far(count.state, store)}")
         damaged = validate_changed(store, units)
         if not damaged:

@@ -18,7 +18,7 @@ from distributed.comm import CommClosedError
 from gaitflow.config.scenario import Scenario
 from gaitflow.dataset import load_solutions
 from gaitflow.dataset.collect import collect
-from gaitflow.execute.run import RunFailed, RunState, _give_solvers, run_units
+from gaitflow.execute.run import RunFailed, RunState, RunStopped, _give_solvers, run_units
 from gaitflow.execute.status import run_status
 from gaitflow.store.journal import read_journal, unended
 from gaitflow.store.parts import UnitStore
@@ -165,6 +165,29 @@ def test_a_signal_stops_cleanly_and_the_next_run_goes_on(
     assert run_units(units, store, open_client, solve="fakes:steady").left == 0
     assert {unit: store.path(unit).stat().st_mtime_ns for unit in done} == done
     assert all(starts(store)[unit] == 1 for unit in done)
+
+
+def test_a_stop_while_the_cluster_closes_is_heard_too(
+    store: UnitStore, units: tuple[Unit, ...], open_client: Open
+) -> None:
+    def stop_at_the_end(state: RunState) -> None:
+        if not state.left:
+            signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(RunStopped, match="stopped: 6 of 6 units are stored in"):
+        run_units(units, store, open_client, stop_at_the_end, solve="fakes:steady")
+    assert run_units(units, store, no_cluster, solve="fakes:steady").left == 0
+
+
+def test_a_stop_that_ends_the_processes_of_a_starting_cluster_is_a_stop(
+    store: UnitStore, units: tuple[Unit, ...]
+) -> None:
+    def ended() -> AbstractContextManager[Client]:
+        signal.raise_signal(signal.SIGTERM)
+        raise RuntimeError("Nanny failed to start.")
+
+    with pytest.raises(RunStopped, match="stopped: 0 of 6 units are stored in"):
+        run_units(units, store, ended, solve="fakes:steady")
 
 
 @pytest.mark.slow
