@@ -13,7 +13,7 @@ from collections.abc import Iterator, Set
 from contextlib import contextmanager
 from types import FrameType
 
-from gaitflow.execute.stop_request import SIGNALS, SPOKEN_FOR
+from gaitflow.execute.stop_request import SPOKEN_FOR, heard_signals
 
 STOPPED = "stopped; the same command goes on"
 PATIENCE_S = 3.0
@@ -29,11 +29,11 @@ def while_importing() -> Iterator[None]:
 
 @contextmanager
 def while_running() -> Iterator[None]:
-    """Let `SIGNALS` raise KeyboardInterrupt, so that files half written are removed, and leave when that has come up.
+    """Let `heard_signals` raise KeyboardInterrupt, so that files half written are removed, and leave when it came up.
 
     Compiled code may lose that exception, or turn it into another one, and Python itself prints it and goes on in a
     finaliser. So whatever comes up after a signal counts for it, and when nothing does the process is left after
-    PATIENCE_S, or at another signal. One that the process was told to ignore, as `nohup` does, stays ignored.
+    PATIENCE_S, or at another signal.
     """
     asked = threading.Event()
     last_resort = threading.Timer(PATIENCE_S, _leave_now)
@@ -51,7 +51,7 @@ def while_running() -> Iterator[None]:
             told_before(unraisable)
 
     told_before, sys.unraisablehook = sys.unraisablehook, lost
-    with _heard({each for each in SIGNALS if signal.getsignal(each) is not signal.SIG_IGN}, interrupt):
+    with _heard(heard_signals(), interrupt):
         try:
             yield
         except BaseException as error:

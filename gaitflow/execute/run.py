@@ -58,8 +58,8 @@ def run_units(
     Parts that an earlier run found sound, in files that did not change since, are not read again; `collect` reads all.
     `open_client` makes a cluster and a client for the length of a block, such as `local_client`; it is not called
     when nothing is missing. `window` bounds the units submitted at a time (default: 3 a worker). `on_event` hears of
-    every change. A `stop_request` ends the run cleanly with RunStopped. Raises RunFailed when no unit can be stored,
-    or when no worker will come any more.
+    every change. A `stop_request` ends the run cleanly with RunStopped, also while the cluster starts or closes.
+    Raises RunFailed when no unit can be stored, or when no worker will come any more.
     """
     remove_leftovers(store.folder)
     notes = [f"damaged pack, its units will be solved again: {reason}" for reason in store.set_aside_damaged_packs()]

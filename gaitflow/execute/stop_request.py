@@ -14,10 +14,7 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 @contextmanager
 def stop_request() -> Iterator[threading.Event]:
-    """An event that these signals set, instead of an exception in the middle of whatever is going on.
-
-    One that the process was told to ignore, as `nohup` does, stays ignored.
-    """
+    """An event that `heard_signals` set, instead of an exception in the middle of whatever is going on."""
     stop = threading.Event()
     if threading.current_thread() is not threading.main_thread():
         yield stop
@@ -26,10 +23,14 @@ def stop_request() -> Iterator[threading.Event]:
     def ask(number: int, frame: FrameType | None) -> None:
         stop.set()
 
-    heard = [number for number in SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
-    before = {number: signal.signal(number, ask) for number in heard}
+    before = {number: signal.signal(number, ask) for number in heard_signals()}
     try:
         yield stop
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def heard_signals() -> set[signal.Signals]:
+    """The signals that ask to stop; one that the process was told to ignore, as `nohup` does, stays ignored."""
+    return {number for number in SIGNALS if signal.getsignal(number) is not signal.SIG_IGN}
