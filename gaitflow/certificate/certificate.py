@@ -23,6 +23,9 @@ class Certificate:
     selected_dearer: how many of the searched tasks get a gait by `select`, before anything is solved, whose own motion
     is more than `tolerance` dearer or not there. selected_bound: that bound for these, which holds with the same
     confidence by itself. Certificates from before plans were judged have neither; all that they say is of selections.
+
+    learning: the digest of what trained the classifier that the plans asked. None where they asked none, in documents
+    of published maps, and in certificates from before it was kept.
     """
 
     searched: int
@@ -37,6 +40,7 @@ class Certificate:
     seed: int
     selected_dearer: int | None = None
     selected_bound: float | None = None
+    learning: str | None = None
     tolerance: float = DEARER
     confidence: float = CONFIDENCE
 
@@ -53,7 +57,12 @@ class Certificate:
 
 
 def certify(
-    plans: Sequence[Verdict], selections: Sequence[Verdict], further: Sequence[bool], asking: int, seed: int
+    plans: Sequence[Verdict],
+    selections: Sequence[Verdict],
+    further: Sequence[bool],
+    asking: int,
+    seed: int,
+    learning: str | None = None,
 ) -> Certificate:
     """The certificate of plans at searched tasks, and of `further` ones, of which is only known whether there is one.
 
@@ -76,4 +85,5 @@ def certify(
         seed=seed,
         selected_dearer=selected,
         selected_bound=upper_bound(selected, len(selections), chance_of(asking)),
+        learning=learning,
     )

@@ -40,21 +40,33 @@ class CrossValidated:
     log_loss: float  # and after
 
 
-def stratified_splits(y: Integers, classes: Sequence[str], folds: int, seed: int) -> tuple[list[Split], list[str]]:
+def stratified_splits(
+    y: Integers, classes: Sequence[str], folds: int, seed: int, partners: Integers | None = None
+) -> tuple[list[Split], list[str]]:
     """Splits of the tasks with classes y [n] (each of 0..len(classes)-1 occurs), and remarks for the user.
 
     Every fit knows every class: a gait of a single task is always fitted to and never tested, one of fewer tasks than
     `folds` is missing from some test folds, and there are never more folds than the most common gait has tasks.
+
+    Where tasks have mirror images, `partners` [n] are the numbers of these (`MirrorImages.partners`). A task and its
+    image count as one task of both gaits and are tested together, because the one tells the label of the other; tasks
+    without an image are always fitted to.
     Raises CannotTrain when there are fewer than two gaits, or none has two tasks.
     """
-    counts = np.bincount(y, minlength=len(classes))
+    images = np.arange(len(y)) if partners is None else partners
+    firsts = np.flatnonzero(np.arange(len(y)) <= images)  # the first of each pair
+    kinds = np.minimum(y[firsts], y[images[firsts]])
+    pairs_of_kind = np.bincount(kinds, minlength=len(classes))
+    counts = np.zeros(len(classes), dtype=int)  # of each gait: its tasks, or pairs of which one has it
+    for pair in zip(y[firsts], y[images[firsts]], strict=True):
+        counts[list(set(pair))] += 1
     if len(classes) < 2 or counts.max() < 2:
         raise CannotTrain(
             f"{len(y)} tasks with {len(classes)} gaits cannot be cross-validated: "
             "at least two gaits are needed, one of them at two tasks; take a finer or wider grid of tasks"
         )
     remarks = []
-    singles = [name for name, count in zip(classes, counts, strict=True) if count == 1]
+    singles = [name for name, count in zip(classes, counts, strict=True) if count <= 1]
     rare = [f"{name} ({count})" for name, count in zip(classes, counts, strict=True) if 1 < count < folds]
     if singles:
         remarks.append(f"gaits of a single task, fitted to but never tested: {', '.join(singles)}")
@@ -62,15 +74,16 @@ def stratified_splits(y: Integers, classes: Sequence[str], folds: int, seed: int
         remarks.append(f"gaits of fewer tasks than the {folds} folds, missing from some of them: {', '.join(rare)}")
     if counts.max() < folds:
         remarks.append(f"{counts.max()} folds instead of {folds}: no gait has more tasks")
-    always = np.flatnonzero(counts[y] == 1)
-    others = np.flatnonzero(counts[y] > 1)
+    tested = pairs_of_kind[kinds] > 1
+    firsts, kinds = firsts[tested], kinds[tested]
     stratified = StratifiedKFold(min(folds, int(counts.max())), shuffle=True, random_state=seed)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "The least populated class", UserWarning)  # said in the remarks
-        splits = [
-            (np.concatenate([others[fit], always]), others[test])
-            for fit, test in stratified.split(np.zeros(len(others)), y[others])
-        ]
+        tests = [test for _, test in stratified.split(np.zeros(len(firsts)), kinds)]
+    splits = []
+    for each in tests:
+        test = np.unique([firsts[each], images[firsts[each]]])
+        splits.append((np.setdiff1d(np.arange(len(y)), test), test))
     return splits, remarks
 
 

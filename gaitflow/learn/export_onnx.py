@@ -10,6 +10,7 @@ import onnx
 from numpy.typing import NDArray
 from onnx import TensorProto, helper, numpy_helper
 from onnx.utils import Extractor
+from scipy.linalg import block_diag
 from skl2onnx import to_onnx
 from skl2onnx.common.data_types import FloatTensorType
 from sklearn.dummy import DummyClassifier
@@ -18,6 +19,7 @@ from sklearn.neighbors import KNeighborsClassifier
 
 from gaitflow.learn.classifier import SMOOTHING, GaitClassifier
 from gaitflow.learn.methods import MLP
+from gaitflow.learn.mirror import MirrorImages
 
 INPUT = "task"  # float32 [n, axes]: values on the axes with a range
 OUTPUT = "probability"  # float32 [n, classes]
@@ -54,12 +56,25 @@ def to_onnx_bytes(classifier: GaitClassifier) -> bytes:
 
 def _layers(classifier: GaitClassifier) -> list[Layer]:
     """The perceptron's layers, the first of them taking raw tasks: W (x - mean) / scale = (W / scale) x - ..."""
-    scaler = classifier.pipeline[0]
-    state = [tensor.double().numpy() for tensor in classifier.pipeline[-1].module_.state_dict().values()]
+    scaler, module = classifier.pipeline[0], classifier.pipeline[-1].module_
+    state = [tensor.double().numpy() for tensor in module.state_dict().values()]
     layers = list(zip(state[::2], state[1::2], strict=True))
+    if module.images is not None:
+        layers = _with_images(layers, module.images)
     weights, biases = layers[0]
     weights = weights / scaler.scale_
     return [(weights, biases - weights @ scaler.mean_), *layers[1:]]
+
+
+def _with_images(layers: Sequence[Layer], images: MirrorImages) -> list[Layer]:
+    """One perceptron, twice as wide, that gives the mean of the scores of a task and of its mirror image."""
+    (first, bias), *middle, (last, last_bias) = layers
+    of_images = list(images.classes)
+    return [
+        (np.vstack([first, first * np.array(images.signs)]), np.tile(bias, 2)),
+        *((block_diag(weights, weights), np.tile(biases, 2)) for weights, biases in middle),
+        (np.hstack([last, last[of_images]]) / 2, (last_bias + last_bias[of_images]) / 2),
+    ]
 
 
 def _perceptron_graph(layers: Sequence[Layer]) -> onnx.GraphProto:

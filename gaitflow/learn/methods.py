@@ -11,6 +11,7 @@ from sklearn.preprocessing import StandardScaler
 
 from gaitflow.config.scenario import Learning
 from gaitflow.learn.baselines import nearest_neighbours, random_forest, support_vectors
+from gaitflow.learn.mirror import MirrorImages
 
 MLP = "mlp"  # the paper's method
 PREFIX = "classify__"  # of the classifier's parameters in the pipeline
@@ -25,11 +26,14 @@ class Method:
     grid: Mapping[str, list[Any]]
 
 
-def methods(learning: Learning, axes: int, classes: int, smallest_fit: int) -> tuple[Method, ...]:
+def methods(
+    learning: Learning, axes: int, classes: int, smallest_fit: int, images: MirrorImages | None = None
+) -> tuple[Method, ...]:
     """Those that `learning` names of perceptron, SVM, random forest and neighbours; who answers fastest comes first.
 
     `axes` is how many inputs they have, `smallest_fit` the least number of tasks that one of them is fitted to. Values
-    that regularise most come first: the search takes the first of those that do equally well.
+    that regularise most come first: the search takes the first of those that do equally well. With `images` the
+    perceptron answers alike to the left and to the right; the other methods do so as far as their tasks teach them.
     """
     neighbours = [k for k in (5, 3, 7, 1) if k <= smallest_fit]
     forest = random_forest(learning.seed)
@@ -39,10 +43,10 @@ def methods(learning: Learning, axes: int, classes: int, smallest_fit: int) -> t
         _method("knn", nearest_neighbours(), {"n_neighbors": neighbours}),
     )
     asked = tuple(method for method in of_scikit_learn if method.name in learning.methods)
-    return (_mlp(learning, axes, classes), *asked) if MLP in learning.methods else asked
+    return (_mlp(learning, axes, classes, images), *asked) if MLP in learning.methods else asked
 
 
-def _mlp(learning: Learning, axes: int, classes: int) -> Method:
+def _mlp(learning: Learning, axes: int, classes: int, images: MirrorImages | None) -> Method:
     from gaitflow.learn.mlp import perceptron  # loads PyTorch, which nothing else needs
 
     grid: dict[str, list[Any]] = {
@@ -50,7 +54,7 @@ def _mlp(learning: Learning, axes: int, classes: int) -> Method:
         "lr": list(learning.learning_rates),
         "optimizer__weight_decay": sorted(learning.weight_decays, reverse=True),
     }
-    mlp = perceptron(axes, classes, learning.hidden_layers[0], learning.max_epochs, learning.seed)
+    mlp = perceptron(axes, classes, learning.hidden_layers[0], learning.max_epochs, learning.seed, images)
     return _method(MLP, mlp, grid)
 
 

@@ -9,18 +9,21 @@ from typing import Any, Self
 
 import torch
 from skorch import NeuralNetClassifier
-from skorch.callbacks import EarlyStopping
+from skorch.callbacks import LRScheduler
 from torch import nn
 
-PATIENCE = 20  # epochs without progress after which training ends
-PROGRESS = 1e-4  # fall of the training loss (mean log loss, nats) that counts as progress
+from gaitflow.learn.mirror import MirrorImages
 
 
 class Perceptron(nn.Module):
-    """Fully connected ReLU layers of the sizes `hidden`: standardised tasks [n, inputs] -> logits [n, classes]."""
+    """Fully connected ReLU layers of the sizes `hidden`: standardised tasks [n, inputs] -> logits [n, classes].
 
-    def __init__(self, inputs: int, hidden: Sequence[int], classes: int) -> None:
+    With `images` a fitted perceptron answers with the mean of what its layers say of a task and of its mirror image.
+    """
+
+    def __init__(self, inputs: int, hidden: Sequence[int], classes: int, images: MirrorImages | None = None) -> None:
         super().__init__()
+        self.images = images
         sizes = [inputs, *hidden]
         layers: list[nn.Module] = []
         for before, after in pairwise(sizes):
@@ -30,7 +33,11 @@ class Perceptron(nn.Module):
     def forward(self, task: torch.Tensor) -> torch.Tensor:
         """Scores [n, classes] of standardised tasks [n, inputs]."""
         scores: torch.Tensor = self.layers(task)
-        return scores
+        if self.images is None or self.training:  # it is fitted to tasks and their images alike
+            return scores
+        signs = torch.tensor(self.images.signs, dtype=task.dtype)
+        of_images: torch.Tensor = self.layers(task * signs)[:, list(self.images.classes)]
+        return (scores + of_images) / 2
 
 
 class SeededClassifier(NeuralNetClassifier):
@@ -59,30 +66,36 @@ def _seeded_on_one_thread(seed: int) -> Iterator[None]:
         torch.set_num_threads(threads)
 
 
-def perceptron(inputs: int, classes: int, hidden: Sequence[int], max_epochs: int, seed: int) -> SeededClassifier:
+def perceptron(
+    inputs: int,
+    classes: int,
+    hidden: Sequence[int],
+    max_epochs: int,
+    seed: int,
+    images: MirrorImages | None = None,
+) -> SeededClassifier:
     """An unfitted perceptron for standardised float32 tasks [n, inputs] and int64 classes [n], trained by AdamW.
 
-    Training stops early when the training loss no longer falls. No task is held back to stop by: a map has about a
-    hundred, and a small region would lose its only ones. The weight decay, chosen by cross-validation, is what keeps
-    the boundaries smooth.
+    Where tasks have mirror `images`, it has to be fitted to both; then the mean of the signed inputs is 0.
+
+    The learning rate falls to 0 along a cosine, so that no fit ends in one of the peaks that the loss has at a constant
+    rate. No task is held back to stop by: a map has about a hundred, and a small region would lose its only ones. The
+    weight decay, chosen by cross-validation, is what keeps the boundaries smooth.
     """
-    stop = EarlyStopping("train_loss", patience=PATIENCE, threshold=PROGRESS, threshold_mode="abs", sink=_silent)
+    falling = LRScheduler("CosineAnnealingLR", T_max=max_epochs)
     return SeededClassifier(
         Perceptron,
         module__inputs=inputs,
         module__hidden=tuple(hidden),
         module__classes=classes,
+        module__images=images,
         criterion=nn.CrossEntropyLoss,
         optimizer=torch.optim.AdamW,
         optimizer__fused=True,
         batch_size=-1,  # a map is small: every step sees all of it, and no order of tasks matters
         max_epochs=max_epochs,
         train_split=None,
-        callbacks=[("stop", stop)],
+        callbacks=[("falling", falling)],
         verbose=0,
         seed=seed,
     )
-
-
-def _silent(message: str) -> None:
-    """Where skorch's remark that training ended goes."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+
 import numpy as np
 
 from gaitflow.config.scenario import Scenario
@@ -11,12 +13,21 @@ from gaitflow.runtime.atlas import NEAR_AXES, Atlas
 from gaitflow.runtime.classifier import Classifier
 from gaitflow.sampling.making import MapInMaking
 from gaitflow.sampling.planning import Chances, Planning
+from gaitflow.tables.solver_code import package_digest
 
 
 def check_trainable(scenario: Scenario) -> None:
     """Raises ConfigError where a sampling would train a classifier for its plans, and cannot here."""
     if _asks_classifier(scenario):
         check_installed(scenario.learning)
+
+
+def learning_of(scenario: Scenario) -> str | None:
+    """The digest of what trains the classifier that plans ask: its code and settings; None where they ask none."""
+    if not _asks_classifier(scenario):
+        return None
+    told = f"{package_digest(['learn/*.py'])} {scenario.learning.model_dump_json()}"
+    return hashlib.sha256(told.encode()).hexdigest()
 
 
 def planning_of(making: MapInMaking) -> Planning:
@@ -27,14 +38,16 @@ def planning_of(making: MapInMaking) -> Planning:
 
 def chances_of(making: MapInMaking, atlas: Atlas) -> Chances:
     """The probabilities of the gaits, in the order of `making.gaits`, by a classifier trained as for publishing."""
-    from gaitflow.learn.train import KnownCosts, train  # what a sampling over few axes does without
+    from gaitflow.learn.mirror import images_of_gaits  # what a sampling over few axes does without
+    from gaitflow.learn.train import KnownCosts, train
 
     scenario, axes = making.scenario, making.scenario.tasks.space.ranged
     name_of = dict(zip(making.costs["gait_key"], making.costs["gait"], strict=True))
     names = tuple(name_of[key] for key in making.gaits)
     known = KnownCosts(atlas, names, making.domain)
     # One gait is a map, too: whether it may be published is not asked here.
-    training = train(making.labels, making.costs, axes, scenario.learning, True, known, making.tell)
+    image_of = images_of_gaits(scenario, making.costs)
+    training = train(making.labels, making.costs, axes, scenario.learning, True, known, image_of, making.tell)
     classifier = Classifier(training.onnx, len(axes), len(training.classes), f"{scenario.name}: the classifier")
     columns = [names.index(gait) for gait in training.classes]
 

@@ -17,7 +17,7 @@ from gaitflow.config.tasks import tasks_of
 from gaitflow.core.task import Task
 from gaitflow.files import atomic_write
 from gaitflow.pipeline.atlas_record import atlas_record
-from gaitflow.pipeline.chances import planning_of
+from gaitflow.pipeline.chances import learning_of, planning_of
 from gaitflow.pipeline.earlier_map import earlier_atlas
 from gaitflow.pipeline.json_file import read_json, write_json
 from gaitflow.pipeline.searched import motions_of, scalars_of
@@ -64,7 +64,7 @@ def sample(
     making = MapInMaking(scenario, scalars_of(store, scenario), motions_of(store, scenario), tell, each)
     if (earlier := earlier_atlas(run, scenario, making.problem)) is not None:
         making.begin_with(earlier)
-    steps = Steps(making, sampling.seed, planning_of)
+    steps = Steps(making, sampling.seed, planning_of, learning_of(scenario))
     for number in range(sampling.most):  # no sampling has as many rounds, as each searches a task at least
         if number == len(rounds):
             left = sampling.most - sum(len(one.tasks) for one in rounds)

@@ -137,6 +137,7 @@ def train(workspace: Workspace, scenario: Scenario, constant: bool) -> dict[str,
 
     from gaitflow.execute.display import display
     from gaitflow.learn.installed import check_installed
+    from gaitflow.learn.mirror import images_of_gaits
     from gaitflow.learn.train import KnownCosts
     from gaitflow.learn.train import train as train_all
 
@@ -148,9 +149,9 @@ def train(workspace: Workspace, scenario: Scenario, constant: bool) -> dict[str,
     labels, costs = pd.read_parquet(run.labels), pd.read_parquet(run.gait_costs)
     known, gaits = atlas_of(run, scenario)
     costs_known = KnownCosts(known, tuple(gaits), domain_of(run, scenario, labels))
-    axes = scenario.tasks.space.ranged
+    axes, image_of = scenario.tasks.space.ranged, images_of_gaits(scenario, costs)
     with display(f"{scenario.name}: train") as tell:
-        training = train_all(labels, costs, axes, scenario.learning, constant, costs_known, tell)
+        training = train_all(labels, costs, axes, scenario.learning, constant, costs_known, image_of, tell)
     data = training.as_data()
     if scenario.strategy.name == "guided":
         data["remarks"] = [*data["remarks"], GUIDED_REMARK]
@@ -170,6 +171,7 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None, force
     from gaitflow.atlas.patterns import map_symmetry
     from gaitflow.dataset import load_solutions
     from gaitflow.learn.warmstarts import region_means
+    from gaitflow.pipeline.chances import learning_of
     from gaitflow.problem import transcribe
     from gaitflow.publishing import Parts, PublishError
     from gaitflow.publishing import publish as publish_map
@@ -190,7 +192,7 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None, force
     if scenario.tasks.adaptive is not None:
         del record["feasible"]
         judged = {"certificate": record.pop("certificate"), "sampling": record.pop("curve")}
-        faults += faults_of_certificate(scenario.tasks.adaptive, judged["certificate"])
+        faults += faults_of_certificate(scenario.tasks.adaptive, judged["certificate"], learning_of(scenario))
     if faults and not force:
         told = "; ".join(faults)
         raise PublishError(

@@ -33,8 +33,15 @@ def faults_of_map(limits: Limits, metrics: Mapping[str, Any], certificate: Mappi
     ]
 
 
-def faults_of_certificate(goal: Sampling, certificate: Mapping[str, Any] | None) -> list[str]:
-    """What of a map's certificate misses the goal of its sampling, a sentence each; a map without one misses it."""
+def faults_of_certificate(
+    goal: Sampling, certificate: Mapping[str, Any] | None, learning: str | None = None
+) -> list[str]:
+    """What of a map's certificate misses the goal of its sampling, a sentence each; a map without one misses it.
+
+    So does one of plans whose classifier was not trained by `learning`, the digest of what trains the map's own.
+    """
+    if certificate is not None and certificate.get("learning") != learning:
+        return ["the certificate was asked before the classifier's training changed: `gaitflow solve` asks it again"]
     if certificate is None:
         return [f"no certificate of the map as it is: tasks.sampling.most = {goal.most} left too few searches for one"]
     measured = [

@@ -30,10 +30,20 @@ MORE_SEEDS = 1000  # apart: seeds of the parts of a sampling, so that none repea
 
 
 class Steps:
-    """What comes next, from what the rounds so far came to. `planning_of` is how the map in the making plans."""
+    """What comes next, from what the rounds so far came to.
 
-    def __init__(self, making: MapInMaking, seed: int, planning_of: Callable[[MapInMaking], Planning]) -> None:
-        self._making, self._picks, self._seed = making, Picks(making), seed
+    `planning_of` is how the map in the making plans; `learning` the digest of what trains the classifier that its plans
+    ask, None where they ask none.
+    """
+
+    def __init__(
+        self,
+        making: MapInMaking,
+        seed: int,
+        planning_of: Callable[[MapInMaking], Planning],
+        learning: str | None = None,
+    ) -> None:
+        self._making, self._picks, self._seed, self._learning = making, Picks(making), seed, learning
         self._planning_of = planning_of
         self._planning: Planning | None = None  # of the map whose certificate is tried
         sampling = making.scenario.tasks.adaptive
@@ -58,11 +68,11 @@ class Steps:
 
     def next_kind(self, left: int) -> Kind | None:
         """The kind of the next round, of at most `left` tasks; None when the sampling is over."""
-        if self._is_good or left <= 0:
+        if left <= 0 or (self._is_good and not self._is_outdated):
             return None
         if self._start:
             return "start"
-        if self._has_hope and self._tasks_of_next_look - len(self._drawn) <= left:
+        if (self._has_hope or self._is_outdated) and self._tasks_of_next_look - len(self._drawn) <= left:
             return "more"
         if self._drawn and self._tasks_to_ask_anew > left:
             return None  # of a map that learned more there would be no certificate
@@ -120,15 +130,18 @@ class Steps:
             making.tell(f"{one.kind}: {wrong} of {len(one.tasks)} picks were wrong, {len(making.labelled)} gaits")
             return one
         self._drawn += one.tasks
-        self._asked, self._look = self._asked + 1, self._look + 1
+        self._asked, before = self._asked + 1, self.certificate
         if one.certificate is None:
             self._planning = planning = self._planning or self._planning_of(making)
             self._plans += self._picks.judge_plans(self._drawn[len(self._plans) :], planning)
             # Over few axes `select` names what costs least, which was judged for the rounds to come, too.
             selected = self._picks.judge(self._drawn, planning) if making.growth.is_wide else self._judged()
-            self.certificate = certify(self._plans, selected, self._further(planning), self._asked, self._seed)
+            have_plans = self._further(planning)
+            self.certificate = certify(self._plans, selected, have_plans, self._asked, self._seed, self._learning)
         else:  # of a sampling that was stopped: what an asking came to stays, and is not planned again
             self.certificate = one.certificate
+        if before is None or before.learning == self.certificate.learning:
+            self._look += 1
         self._tell_curve(one, self.certificate.dearer)
         return replace(one, certificate=self.certificate)
 
@@ -167,9 +180,17 @@ class Steps:
         )
 
     @property
+    def _is_outdated(self) -> bool:
+        """Whether the certificate was asked of plans by a classifier that would be trained otherwise now.
+
+        Its tasks had no part in making the map. So the look is repeated, as another asking.
+        """
+        return self.certificate is not None and bool(self._drawn) and self.certificate.learning != self._learning
+
+    @property
     def _tasks_of_next_look(self) -> int:
         """How many tasks a certificate has at its next look, those of the looks before among them."""
-        return tasks_of_look(self._look, self._sampling.dearer, self._asked + 1)
+        return tasks_of_look(self._look - self._is_outdated, self._sampling.dearer, self._asked + 1)
 
     @property
     def _tasks_to_ask_anew(self) -> int:

@@ -197,6 +197,20 @@ def test_an_atlas_that_knows_nothing_changes_nothing(
     assert found.as_data() == training.as_data()
 
 
+def test_an_atlas_over_many_axes_labels_nothing(
+    training: Training, synthetic_map: Frames, learning: Learning, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Atlas, "is_wide", True)
+    found = train(*synthetic_map, AXES, learning, known=known_costs())
+    assert found.onnx == training.onnx and found.published.atlas_tasks == 0
+
+
+def test_the_order_of_the_tasks_does_not_matter(training: Training, synthetic_map: Frames, learning: Learning) -> None:
+    labels, costs = (frame.sample(frac=1.0, random_state=7, ignore_index=True) for frame in synthetic_map)
+    found = train(labels, costs, AXES, learning)
+    assert found.onnx == training.onnx and found.as_data() == training.as_data()
+
+
 def test_one_axis_is_enough(synthetic_map: Frames, learning: Learning) -> None:
     labels, costs = (frame[np.isclose(frame["cycle_duration"], 0.64)] for frame in synthetic_map)
     found = train(labels.reset_index(drop=True), costs.reset_index(drop=True), ("speed",), learning)

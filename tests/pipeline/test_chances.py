@@ -18,7 +18,7 @@ from gaitflow.core.domain import Domain
 from gaitflow.dataset.labels import gait_costs, label_tasks
 from gaitflow.learn import installed
 from gaitflow.pipeline import chances
-from gaitflow.pipeline.chances import chances_of, check_trainable, planning_of
+from gaitflow.pipeline.chances import chances_of, check_trainable, learning_of, planning_of
 from gaitflow.runtime.atlas import NEAR_AXES, Atlas
 
 AXES = ("speed", "cycle_duration")
@@ -27,9 +27,9 @@ SPEEDS, DURATIONS = np.linspace(0.1, 2.3, 8).tolist(), np.linspace(0.4, 1.2, 6).
 
 
 def scenario(axes: Sequence[str] = AXES, methods: tuple[str, ...] = ("knn",)) -> Any:
-    space = SimpleNamespace(ranged=tuple(axes))
-    learning = Learning(folds=3, methods=methods)
-    return SimpleNamespace(name="small", tasks=SimpleNamespace(space=space), learning=learning)
+    tasks = SimpleNamespace(space=SimpleNamespace(ranged=tuple(axes), fixed=()), ranges={}, adaptive=None)
+    robot = SimpleNamespace(mirror=())
+    return SimpleNamespace(name="small", tasks=tasks, robot=robot, learning=Learning(folds=3, methods=methods))
 
 
 def making() -> Any:
@@ -69,6 +69,13 @@ def test_a_classifier_is_trained_where_plans_ask_for_it(
     monkeypatch.setattr(chances, "Planning", lambda _, atlas, found: found)
     made = SimpleNamespace(scenario=scenario([f"axis {n}" for n in range(axes)]), built=lambda: None)
     assert planning_of(made) == ("trained" if is_trained else None)  # type: ignore[arg-type,comparison-overlap]
+
+
+def test_what_trains_a_classifier_is_told_by_a_digest() -> None:
+    wide = [f"axis {n}" for n in range(NEAR_AXES + 1)]
+    assert learning_of(scenario(wide[1:])) is None
+    found = learning_of(scenario(wide))
+    assert found == learning_of(scenario(wide)) and found != learning_of(scenario(wide, ("svm",)))
 
 
 def test_what_cannot_be_trained_is_said_before_anything_is_searched(monkeypatch: pytest.MonkeyPatch) -> None:

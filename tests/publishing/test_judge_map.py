@@ -96,3 +96,11 @@ def test_a_certificate_is_judged_by_the_goal_of_its_sampling() -> None:
     assert faults_of_certificate(goal, None) == [
         "no certificate of the map as it is: tasks.sampling.most = 1000 left too few searches for one"
     ]
+
+
+def test_a_certificate_is_of_the_classifier_that_its_plans_asked() -> None:
+    goal, good = Sampling(dearer=0.02, infeasible=0.005), {"dearer_bound": 0.02, "infeasible_bound": 0.004}
+    assert faults_of_certificate(goal, good | {"learning": "abc"}, "abc") == []
+    for certificate, learning in ((good | {"learning": "abc"}, "def"), (good, "abc")):
+        (fault,) = faults_of_certificate(goal, certificate, learning)
+        assert "classifier's training changed" in fault and "`gaitflow solve`" in fault

@@ -79,7 +79,7 @@ def test_what_may_cost_less_than_was_found_is_solved_too() -> None:
         ([0.04, 0.95, 0.01, 0.0], {0: 1.0, 2: 0.8}, Planned(0, 1.0), [1] * FIRST_STARTS + [0]),
         ([0.29, 0.01, 0.0, 0.7], {0: 1.0, 1: 1.2}, Planned(0, 1.0), [0]),  # the likeliest is not known there
         ([0.95, 0.01, 0.04, 0.0], {0: 1.5, 1: 1.2, 2: 1.6}, Planned(1, 1.2), [0, 1]),
-        ([0.95, 0.002, 0.048, 0.0], {0: 1.5, 1: 1.2, 2: 1.6}, Planned(0, 1.5), [0]),
+        ([0.95, 0.0002, 0.0498, 0.0], {0: 1.5, 1: 1.2, 2: 1.6}, Planned(0, 1.5), [0]),
     ],
 )
 def test_over_many_axes_likely_gaits_are_solved_first_and_in_any_case_and_unlikely_ones_are_not(

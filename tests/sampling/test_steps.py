@@ -275,6 +275,31 @@ def test_a_map_is_not_tested_before_its_start_is_searched(making: Making, monkey
     assert after.next_kind(1000) == "doubt" and making.filled == 1, "gaits that the tests miss are looked for"
 
 
+def test_a_certificate_of_another_classifier_is_asked_again_of_the_same_tasks(making: Making) -> None:
+    making.growth.is_wide = True
+    after = Steps(making, 0, Plans, "before")  # type: ignore[arg-type]
+    after.done(Round("known", tasks(making, 200)))
+    after.done(Round("start", tuple(set(tasks_of(making.scenario)) - set(making.tasks))))
+    making.wrong = 0
+    after.begin("certificate")
+    asked = after.done(Round("certificate", tuple(after.tasks_of("certificate", 1000))))
+    assert after.next_kind(1000) is None
+
+    making.tasks.clear()
+    again = Steps(making, 0, Plans, "after")  # type: ignore[arg-type]
+    again.done(Round("known", tasks(making, 200)))
+    again.done(Round("start", tuple(set(tasks_of(making.scenario)) - set(making.tasks))))
+    again.begin("certificate")
+    again.done(asked)
+    further = tasks_of_look(0, 0.02, 2) - TASKS_OF_A_CERTIFICATE
+    assert again.next_kind(further) == "more" and again.next_kind(further - 1) is None
+    assert ask(again, making, "more", 0) == further
+    found = again.certificate
+    assert found is not None and (found.asking, found.learning) == (2, "after")
+    assert found.searched == TASKS_OF_A_CERTIFICATE + further and found.dearer_bound <= 0.02
+    assert again.next_kind(1000) is None
+
+
 def test_what_an_asking_came_to_is_read_and_not_judged_again(making: Making) -> None:
     after = begun(making, tasks(making, 100))
     making.wrong = 2
