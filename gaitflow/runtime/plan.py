@@ -31,7 +31,7 @@ GREAT_SAVING = 0.5  # relative cost for which it is tried harder
 SURPRISE, SURPRISED = 4.0, 1.25
 # Over more than NEAR_AXES axes predictions between nodes so far apart mislead: a gait that is so probably the best is
 # tried there whatever it may cost, and one that hardly is the best is tried only if it comes first.
-LIKELY, UNLIKELY = 0.05, 3e-4
+LIKELY, UNLIKELY = 0.02, 3e-4
 
 
 @dataclass(frozen=True)

@@ -100,7 +100,7 @@ class Planner {
   // least cost so far below which another one has to be for being tried.
   static constexpr double surprise = 4.0, surprised = 1.25;
   // Probabilities from which on a gait is tried over many axes whatever it may cost, and below which only if it is first.
-  static constexpr double likely = 0.05, unlikely = 3e-4;
+  static constexpr double likely = 0.02, unlikely = 3e-4;
 
   // The first candidate that the atlas knows of each likely gait; of none over few axes.
   static std::vector<const Candidate*> firsts_of_likely(const std::vector<Candidate>& candidates, const Indices& gaits,
