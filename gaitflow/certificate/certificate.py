@@ -52,8 +52,8 @@ class Certificate:
         )
 
     def as_data(self) -> dict[str, Any]:
-        """Plain JSON data."""
-        return asdict(self)
+        """Plain JSON data, without `learning` where there is none."""
+        return {key: value for key, value in asdict(self).items() if key != "learning" or value is not None}
 
 
 def certify(

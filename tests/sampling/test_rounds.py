@@ -30,6 +30,13 @@ def test_rounds_come_back_as_they_were() -> None:
     assert askings([a_round("start", 0.1), a_round("certificate", 0.3)]) == 0, "not answered yet"
 
 
+def test_a_certificate_comes_back_with_what_trained_its_classifier() -> None:
+    asked = replace(CERTIFICATE, learning="abc")
+    assert "learning" not in CERTIFICATE.as_data() and asked.as_data()["learning"] == "abc"
+    data = json.loads(json.dumps([replace(a_round("certificate", 0.3), certificate=asked).as_data(SPACE)]))
+    assert rounds_from(data, SPACE)[0].certificate == asked
+
+
 def test_askings_cannot_be_taken_back() -> None:
     with pytest.raises(ValueError, match="askings = -3"):
         Round("known", (), askings=-3)
