@@ -58,6 +58,7 @@ NEAR_AXES, MOST_BELOW = 3, 1.1
 # start that divides by such a cost leads nowhere. By one ten times off it leads to the same motion.
 MOST_OFF = 1.0
 LEAST_CHANCE = 1e-6  # of a gait: those that the classifier rules out are still ordered by cost
+ALIKE = 1e-4  # relative: straight ahead a gait and its mirror image cost the same but for rounding
 LARGEST_LOG = 200.0  # of a cost, so that it and its products with stored numbers are finite
 
 
@@ -158,13 +159,16 @@ class Atlas:
         return costs / np.maximum(of_sheets, LEAST_CHANCE), support >= TRIED
 
     def by_cost(self, place: Array, chances: Sequence[float] | None = None) -> list[int]:
-        """The sheets with a node within reach of a place; of equal ones the first.
+        """The sheets with a node within reach of a place; of equal ones the first, over many axes of those ALIKE.
 
         First those that are believed, in the order that they are `preferred`. Then the others, by support in
         hundredths: where a gait lacks nodes it costs more than it seems, or has no motion.
         """
         costs, support = self.costs(place)
         by, believed = self.preferred(costs, support, chances)
+        if self.is_wide:
+            with np.errstate(invalid="ignore"):
+                by = np.rint(np.log(by) / ALIKE)
         doubted = np.where(believed, 0.0, 1 - np.floor(100 * support) / 100)
         return [sheet for sheet in np.lexsort((by, doubted)).tolist() if support[sheet] > 0]
 

@@ -42,6 +42,7 @@ CONSTANTS = {
     "atlas.hpp": {
         "hardly_tried": atlas.HARDLY_TRIED, "hardly": atlas.HARDLY, "near_axes": atlas.NEAR_AXES,
         "most_below": atlas.MOST_BELOW, "most_off": atlas.MOST_OFF, "least_chance": atlas.LEAST_CHANCE,
+        "alike": atlas.ALIKE,
     },
     "gait_map.hpp": {"farthest": gait_map.FARTHEST},
 }  # fmt: skip

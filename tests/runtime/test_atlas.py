@@ -151,6 +151,15 @@ def test_over_many_axes_a_cost_counts_over_the_probability_of_its_gait(
     assert made.ranked(np.full(axes, 0.5), chances) == made.by_cost(np.full(axes, 0.5), chances) == [first, 1 - first]
 
 
+@pytest.mark.parametrize(("axes", "alike"), [(NEAR_AXES, 0.0), (NEAR_AXES + 1, 1e-6)])
+def test_over_many_axes_the_first_of_costs_that_are_alike_comes_first(axes: int, alike: float) -> None:
+    places, nothing = np.array(list(product((0.0, 1.0), repeat=axes))), np.zeros((2**axes, axes))
+    for less in (alike, 1e-2):
+        costs = (1.0, 1.0 - less)
+        made = over(axes, *(sheet(places, np.full(len(places), cost), nothing, gait=n) for n, cost in enumerate(costs)))
+        assert made.by_cost(np.full(axes, 0.5), [0.5, 0.5]) == ([0, 1] if less == alike else [1, 0])
+
+
 @pytest.mark.parametrize(("chances", "first"), [(None, 1), ([0.5, 0.5], 0)])
 def test_over_many_axes_half_of_the_support_will_do_where_probabilities_are_known(
     chances: list[float] | None, first: int

@@ -44,7 +44,8 @@ class AtlasView {
   }
 
   // The sheets with a node within reach: those whose cost is believed, the cheapest first, then the others by support.
-  // Over many axes a cost counts over the probability of its gait, and half of the support will do.
+  // Over many axes a cost counts over the probability of its gait, and half of the support will do; of costs that are
+  // alike the first comes first.
   std::vector<const Sheet*> by_cost(const Vector& place, const std::vector<float>& probabilities) const {
     const bool is_wide = axes_ > near_axes;
     const double believed = is_wide ? atlas_.support / 2 : atlas_.support;
@@ -57,7 +58,10 @@ class AtlasView {
     for (const Sheet& sheet : atlas_.sheets) {
       const SheetCost found = cost(sheet, place);
       double cost = std::isnan(found.cost) ? std::numeric_limits<double>::infinity() : found.cost;
-      if (is_wide) cost /= std::max(static_cast<double>(probabilities[sheet.gait]), least_chance);
+      if (is_wide) {
+        cost /= std::max(static_cast<double>(probabilities[sheet.gait]), least_chance);
+        cost = std::nearbyint(std::log(cost) / alike);
+      }
       const double doubted = found.support < believed ? 1 - std::floor(100 * found.support) / 100 : 0.0;
       if (found.support > 0) all.push_back({doubted, cost, &sheet});
     }
@@ -155,6 +159,7 @@ class AtlasView {
  private:
   static constexpr double largest_log = 200.0;
   static constexpr double least_chance = 1e-6;  // of a gait
+  static constexpr double alike = 1e-4;  // relative
   static constexpr double most_off = 1.0;  // of a start's cost, in logarithms, from its nodes'
   static constexpr double hardly_tried = 0.1, hardly = 2.0, most_below = 1.1;
   // As in gaitflow/runtime/nearby.py.
