@@ -9,10 +9,10 @@ import numpy as np
 import pandas as pd
 
 from gaitflow.config.scenario import Scenario
-from gaitflow.core.gaits import Pattern, Symmetry, gait_of
-from gaitflow.core.task import AXES
+from gaitflow.core.gaits import Pattern, gait_of
 from gaitflow.dataset.mirror import has_images
 from gaitflow.learn.classifier import Floats, Integers
+from gaitflow.runtime.sheet_image import signs_of
 
 
 def images_of_gaits(scenario: Scenario, costs: pd.DataFrame) -> dict[str, str] | None:
@@ -24,7 +24,7 @@ def images_of_gaits(scenario: Scenario, costs: pd.DataFrame) -> dict[str, str] |
         return None
     name_of = dict(zip(costs["gait_key"], costs["gait"], strict=True))
     legs = scenario.robot.mirror_permutation
-    image_of = {key: gait_of(Pattern.from_text(key).mirrored(legs), Symmetry()).text for key in name_of}
+    image_of = {key: gait_of(Pattern.from_text(key).mirrored(legs)).text for key in name_of}
     return {name: name_of[image_of[key]] for key, name in name_of.items() if image_of[key] in name_of}
 
 
@@ -43,7 +43,7 @@ class MirrorImages:
         """Over some axes, of classes of which `image_of` names the images."""
         place = {name: number for number, name in enumerate(classes)}
         images = [place.get(image_of.get(name, name), number) for number, name in enumerate(classes)]
-        return cls(tuple(-1.0 if AXES[axis].mirrored else 1.0 for axis in axes), tuple(images))
+        return cls(tuple(signs_of(tuple(axes)).tolist()), tuple(images))
 
     def partners(self, tasks: Floats, y: Integers) -> Integers:
         """For each task with its class, of tasks [n, axes] and y [n], the number of its image; -1 where it has none."""
