@@ -9,8 +9,9 @@ import numpy as np
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.trajectory import Array
 from gaitflow.learn.installed import check_installed
-from gaitflow.runtime.atlas import NEAR_AXES, Atlas
+from gaitflow.runtime.atlas import Atlas
 from gaitflow.runtime.classifier import Classifier
+from gaitflow.runtime.plan import asks_classifier
 from gaitflow.sampling.making import MapInMaking
 from gaitflow.sampling.planning import Chances, Planning
 from gaitflow.tables.solver_code import package_digest
@@ -60,4 +61,4 @@ def chances_of(making: MapInMaking, atlas: Atlas) -> Chances:
 
 
 def _asks_classifier(scenario: Scenario) -> bool:
-    return len(scenario.tasks.space.ranged) > NEAR_AXES
+    return asks_classifier(len(scenario.tasks.space.ranged))

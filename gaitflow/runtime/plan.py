@@ -29,9 +29,11 @@ GREAT_SAVING = 0.5  # relative cost for which it is tried harder
 # across a cliff from the nodes around, and other gaits are off as well. Those that may cost SURPRISED times as much at
 # the least are tried there.
 SURPRISE, SURPRISED = 4.0, 1.25
-# Over more than NEAR_AXES axes predictions between nodes so far apart mislead: a gait that is so probably the best is
-# tried there whatever it may cost, and one that hardly is the best is tried only if it comes first.
-LIKELY, UNLIKELY = 0.02, 3e-4
+# Over more than FEW_AXES axes predictions between nodes so far apart mislead. A gait that is so probably the best is
+# tried there whatever it may cost, and one that hardly is the best only if it comes first. Over slopes that spares half
+# of all tries.
+FEW_AXES = 2
+LIKELY, LIKELY_WIDE, UNLIKELY = 0.2, 0.02, 3e-4  # LIKELY_WIDE over more than NEAR_AXES
 
 
 @dataclass(frozen=True)
@@ -131,16 +133,16 @@ def refine_ranked(
 
     Only those of the first `top` gaits are tried so. Then all others that may cost less than that came to are refined
     as well, and the cheapest one is taken if it does: before a cliff of the cost and across its kinks predictions are
-    far off, and their nodes disagree. Over more than NEAR_AXES axes `likely` gaits are refined in any case, and
-    `unlikely` ones only if they come first.
+    far off, and their nodes disagree. `likely` gaits are refined in any case, and `unlikely` ones only if they come
+    first.
     IPOPT is asked only when the fast method has failed for all of them, once a gait: where the first gait has no
     motion, as beyond its longest stride, it takes a second to find that out, and a planner cannot wait for it.
     """
     selected = time.perf_counter()
     candidates = [candidate for candidate, _, _ in ranked]
-    chances = {candidate.gait: probability for candidate, _, probability in ranked} if refiner.atlas.is_wide else {}
-    sure = _firsts(candidates, likely(chances))
-    spared = _spared(candidates, unlikely(chances))
+    chances = {candidate.gait: probability for candidate, _, probability in ranked}
+    sure = _firsts(candidates, likely(refiner.atlas, chances))
+    spared = _spared(candidates, unlikely(refiner.atlas, chances))
     attempts = list(_attempts(refiner, candidates, sure, spared, asked.task, top))
     best, attempt = min(attempts, key=_merit)
     first, solved = next((each for each in attempts if each[1].refined), (best, attempt))
@@ -170,14 +172,20 @@ def refine_ranked(
     )
 
 
-def likely(chances: Mapping[int, float]) -> set[int]:
-    """The gaits, by their numbers, that are tried whatever they are predicted to cost."""
-    return {gait for gait, chance in chances.items() if chance >= LIKELY}
+def asks_classifier(axes: int) -> bool:
+    """Whether plans over so many axes ask how likely a gait is the best."""
+    return axes > FEW_AXES
 
 
-def unlikely(chances: Mapping[int, float]) -> set[int]:
-    """The gaits, by their numbers, that are tried only if they come first."""
-    return {gait for gait, chance in chances.items() if chance < UNLIKELY}
+def likely(atlas: Atlas, chances: Mapping[int, float]) -> set[int]:
+    """The gaits, by their numbers, that are tried whatever they are predicted to cost; none over few axes."""
+    least = LIKELY_WIDE if atlas.is_wide else LIKELY
+    return {gait for gait, chance in chances.items() if asks_classifier(len(atlas.axes)) and chance >= least}
+
+
+def unlikely(atlas: Atlas, chances: Mapping[int, float]) -> set[int]:
+    """The gaits, by their numbers, that are tried only if they come first; none over few axes."""
+    return {gait for gait, chance in chances.items() if asks_classifier(len(atlas.axes)) and chance < UNLIKELY}
 
 
 def tried_below(atlas: Atlas, least: float, cost: float) -> float:

@@ -37,7 +37,8 @@ CONSTANTS = {
     },
     "planner.hpp": {
         "least_saving": plan.LEAST_SAVING, "great_saving": plan.GREAT_SAVING, "likely": plan.LIKELY,
-        "unlikely": plan.UNLIKELY, "surprise": plan.SURPRISE, "surprised": plan.SURPRISED,
+        "likely_wide": plan.LIKELY_WIDE, "unlikely": plan.UNLIKELY, "few_axes": plan.FEW_AXES,
+        "surprise": plan.SURPRISE, "surprised": plan.SURPRISED,
     },
     "atlas.hpp": {
         "hardly_tried": atlas.HARDLY_TRIED, "hardly": atlas.HARDLY, "near_axes": atlas.NEAR_AXES,

@@ -17,6 +17,8 @@ from gaitflow.core import check
 from gaitflow.export import Exported, export_c
 from gaitflow.runtime import GaitMap
 from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.plan import UNLIKELY
+from gaitflow.runtime.versions import resolve
 
 pytestmark = pytest.mark.slow
 
@@ -103,6 +105,21 @@ def test_over_many_axes_it_starts_and_tries_what_python_does(wide_export: Export
         tried.add(len({gait for gait, _ in plan.tried}))
         assert answer["iterations"] == pytest.approx(plan.iterations, abs=2)
     assert tried == {1, 2}
+
+
+def test_over_three_axes_a_published_map_tries_what_python_does(checkout: Path, tmp_path: Path) -> None:
+    export = export_c(resolve(checkout / "models/anymal-slopes"), tmp_path / "c")
+    gait_map, unlikely = GaitMap.load(export.model), 0
+    tasks = tasks_of(gait_map, 24)
+    answers = planned(built(export.folder, tmp_path, "plan"), export, tasks)
+    for task, answer in zip(tasks, answers, strict=True):
+        values = dict(zip(gait_map.axes, task, strict=True))
+        plan, chances = gait_map.plan(**values), dict(gait_map.select(**values).ranked)
+        assert (answer["gait"], answer["pattern"], answer["path"]) == (plan.gait, plan.pattern, plan.path), task
+        assert answer["iterations"] == pytest.approx(plan.iterations, abs=2), "the same gaits are tried"
+        assert all(chances[gait] >= UNLIKELY for gait, _ in plan.tried[1:])
+        unlikely += sum(chance < UNLIKELY for chance in chances.values())
+    assert unlikely
 
 
 def test_what_the_atlas_does_not_know_is_planned_from_the_mean(

@@ -19,7 +19,8 @@ from gaitflow.dataset.labels import gait_costs, label_tasks
 from gaitflow.learn import installed
 from gaitflow.pipeline import chances
 from gaitflow.pipeline.chances import chances_of, check_trainable, learning_of, planning_of
-from gaitflow.runtime.atlas import NEAR_AXES, Atlas
+from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.plan import FEW_AXES
 
 AXES = ("speed", "cycle_duration")
 OTHER = "0011/1100"  # competes somewhere, and is the best nowhere
@@ -61,7 +62,7 @@ def test_the_columns_are_the_gaits_of_the_map_in_the_making() -> None:
     assert not found[:, made.gaits.index(OTHER)].any(), "it is no label"
 
 
-@pytest.mark.parametrize(("axes", "is_trained"), [(NEAR_AXES, False), (NEAR_AXES + 1, True)])
+@pytest.mark.parametrize(("axes", "is_trained"), [(FEW_AXES, False), (FEW_AXES + 1, True), (FEW_AXES + 2, True)])
 def test_a_classifier_is_trained_where_plans_ask_for_it(
     monkeypatch: pytest.MonkeyPatch, axes: int, is_trained: bool
 ) -> None:
@@ -72,16 +73,16 @@ def test_a_classifier_is_trained_where_plans_ask_for_it(
 
 
 def test_what_trains_a_classifier_is_told_by_a_digest() -> None:
-    wide = [f"axis {n}" for n in range(NEAR_AXES + 1)]
-    assert learning_of(scenario(wide[1:])) is None
-    found = learning_of(scenario(wide))
-    assert found == learning_of(scenario(wide)) and found != learning_of(scenario(wide, ("svm",)))
+    more = [f"axis {n}" for n in range(FEW_AXES + 1)]
+    assert learning_of(scenario(more[1:])) is None
+    found = learning_of(scenario(more))
+    assert found == learning_of(scenario(more)) and found != learning_of(scenario(more, ("svm",)))
 
 
 def test_what_cannot_be_trained_is_said_before_anything_is_searched(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(installed, "find_spec", lambda _: None)
-    wide = [f"axis {n}" for n in range(NEAR_AXES + 1)]
+    more = [f"axis {n}" for n in range(FEW_AXES + 1)]
     check_trainable(scenario(methods=("mlp",)))
-    check_trainable(scenario(wide))
+    check_trainable(scenario(more))
     with pytest.raises(ConfigError, match="needs PyTorch"):
-        check_trainable(scenario(wide, ("mlp", "knn")))
+        check_trainable(scenario(more, ("mlp", "knn")))

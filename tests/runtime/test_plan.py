@@ -16,7 +16,7 @@ from gaitflow.problem import GaitProblem
 from gaitflow.runtime import GaitMap, OutOfDomain, Plan, refine
 from gaitflow.runtime.atlas import NEAR_AXES, Atlas
 from gaitflow.runtime.attempt import Attempt, Candidate, Effort
-from gaitflow.runtime.plan import LIKELY, UNLIKELY, Asked, likely, refine_ranked, unlikely
+from gaitflow.runtime.plan import FEW_AXES, LIKELY, LIKELY_WIDE, UNLIKELY, Asked, likely, refine_ranked, unlikely
 
 TASK, VALUES = task_of(0.9, 0.6), {"speed": 0.9, "cycle_duration": 0.6}
 FAST = (2.05, 0.9)  # beyond what walking can do
@@ -442,14 +442,14 @@ def test_of_gaits_that_are_not_tried_a_cheaper_one_is_looked_at(
 @pytest.mark.parametrize(
     ("axes", "gallop", "costs", "gait", "calls"),
     [
-        (NEAR_AXES, Candidate(1, 2), (10.0, 9.9, 9.8), "walking", [FAST_0]),
+        (FEW_AXES, Candidate(1, 2), (10.0, 9.9, 9.8), "walking", [FAST_0]),
         # Of a likely gait one pattern is looked at, and the plan's own gait is one.
-        (NEAR_AXES + 1, Candidate(1, 2), (10.0, 9.9, 9.8), "gallop", [FAST_0, ("look", 2)]),
-        (NEAR_AXES + 1, Candidate(1, 2), (10.0, 9.9, 10.1), "walking", [FAST_0, ("look", 2)]),
-        (NEAR_AXES + 1, Candidate(1, None), (10.0, 9.8, 9.8), "walking", [FAST_0]),
+        (FEW_AXES + 1, Candidate(1, 2), (10.0, 9.9, 9.8), "gallop", [FAST_0, ("look", 2)]),
+        (FEW_AXES + 1, Candidate(1, 2), (10.0, 9.9, 10.1), "walking", [FAST_0, ("look", 2)]),
+        (FEW_AXES + 1, Candidate(1, None), (10.0, 9.8, 9.8), "walking", [FAST_0]),
     ],
 )
-def test_over_many_axes_likely_gaits_are_looked_at_in_any_case(
+def test_over_more_than_a_few_axes_likely_gaits_are_looked_at_in_any_case(
     gait_map: GaitMap, axes: int, gallop: Candidate, costs: tuple, gait: str, calls: list[tuple[str, int]]
 ) -> None:
     first, second = gait_map.gaits
@@ -462,13 +462,14 @@ def test_over_many_axes_likely_gaits_are_looked_at_in_any_case(
 @pytest.mark.parametrize(
     ("axes", "chance", "first", "calls"),
     [
-        (NEAR_AXES, UNLIKELY / 2, 0.5, [FAST_0, ("look", 2), ("look", 1)]),
-        (NEAR_AXES + 1, UNLIKELY, 0.5, [FAST_0, ("look", 2), ("look", 1)]),
+        (FEW_AXES, UNLIKELY / 2, 0.5, [FAST_0, ("look", 2), ("look", 1)]),
+        (FEW_AXES + 1, UNLIKELY, 0.5, [FAST_0, ("look", 2), ("look", 1)]),
+        (FEW_AXES + 1, UNLIKELY / 2, 0.5, [FAST_0, ("look", 1)]),
+        (FEW_AXES + 1, 0.5, UNLIKELY / 2, [FAST_0, ("look", 2), ("look", 1)]),  # what comes first is spared by none
         (NEAR_AXES + 1, UNLIKELY / 2, 0.5, [FAST_0, ("look", 1)]),
-        (NEAR_AXES + 1, 0.5, UNLIKELY / 2, [FAST_0, ("look", 2), ("look", 1)]),  # what comes first is spared by none
     ],
 )
-def test_over_many_axes_an_unlikely_gait_is_not_looked_at(
+def test_over_more_than_a_few_axes_an_unlikely_gait_is_not_looked_at(
     gait_map: GaitMap, axes: int, chance: float, first: float, calls: list[tuple[str, int]]
 ) -> None:
     walking, gallop = gait_map.gaits
@@ -478,9 +479,14 @@ def test_over_many_axes_an_unlikely_gait_is_not_looked_at(
     assert scripted.calls == calls
 
 
-def test_gaits_by_their_probability() -> None:
-    chances = {4: UNLIKELY / 2, 2: LIKELY, 0: 0.8, 1: UNLIKELY, 3: LIKELY / 2}
-    assert (likely(chances), unlikely(chances)) == ({2, 0}, {4})
+@pytest.mark.parametrize(
+    ("axes", "sure", "spared"),
+    [(FEW_AXES, set(), set()), (FEW_AXES + 1, {0, 5}, {4}), (NEAR_AXES + 1, {0, 5, 2, 3}, {4})],
+)
+def test_gaits_by_their_probability(axes: int, sure: set[int], spared: set[int]) -> None:
+    atlas = Atlas.empty([f"axis {number}" for number in range(axes)])
+    chances = {4: UNLIKELY / 2, 2: LIKELY_WIDE, 0: 0.8, 1: UNLIKELY, 3: LIKELY / 2, 5: LIKELY, 6: LIKELY_WIDE / 2}
+    assert (likely(atlas, chances), unlikely(atlas, chances)) == (sure, spared)
 
 
 @pytest.mark.parametrize(

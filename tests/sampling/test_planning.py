@@ -13,6 +13,7 @@ from tiny_map import tiny_atlas, tiny_growth
 from gaitflow.atlas.plan_solver import PlanSolver, Try
 from gaitflow.runtime import GaitMap
 from gaitflow.runtime.atlas import Atlas
+from gaitflow.runtime.plan import FEW_AXES, UNLIKELY
 from gaitflow.runtime.refine import FIRST_STARTS, LIMIT, RIVAL_LIMIT, RIVAL_STARTS
 from gaitflow.sampling.planning import AT_ONCE, Planned, solves, together
 from tests.helpers.sheets import LAYOUT, sheet
@@ -90,6 +91,17 @@ def test_over_many_axes_likely_gaits_are_solved_first_and_in_any_case_and_unlike
     sheets = [sheet_of(gait, cost, places + 100.0 * (gait == 3)) for gait, cost in known]
     made = Atlas(("speed", "lateral_speed", "yaw_rate", "cycle_duration"), np.ones(4), 1e-4, tuple(sheets))  # type: ignore[arg-type]
     assert planned(made, (0.5,) * 4, costs, chances) == (plan, solved)
+
+
+@pytest.mark.parametrize(
+    ("axes", "plan", "solved"), [(FEW_AXES, Planned(1, 1.2), [0, 1]), (FEW_AXES + 1, Planned(0, 1.5), [0])]
+)
+def test_over_more_than_a_few_axes_unlikely_rivals_are_not_solved(axes: int, plan: Planned, solved: list[int]) -> None:
+    places = np.array(list(product((0.0, 1.0), repeat=axes)))
+    sheets = [sheet_of(gait, cost, places) for gait, cost in ((0, 1.0), (1, 1.2))]
+    made = Atlas(tuple(f"axis {n}" for n in range(axes)), np.ones(axes), 1e-4, tuple(sheets))  # type: ignore[arg-type]
+    chances = [1 - UNLIKELY / 2, UNLIKELY / 2]
+    assert planned(made, (0.5,) * axes, {0: 1.5, 1: 1.2}, chances) == (plan, solved)
 
 
 def test_a_half_believed_rival_is_solved_too() -> None:

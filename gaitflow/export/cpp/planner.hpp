@@ -99,16 +99,19 @@ class Planner {
   // Over few axes, where the first motion costs over `surprise` times what it might have at the least: the share of the
   // least cost so far below which another one has to be for being tried.
   static constexpr double surprise = 4.0, surprised = 1.25;
-  // Probabilities from which on a gait is tried over many axes whatever it may cost, and below which only if it is first.
-  static constexpr double likely = 0.02, unlikely = 3e-4;
+  // Over more than a few axes: probabilities from which on a gait is tried whatever it may cost, the second over
+  // many, and below which only if it is first.
+  static constexpr double likely = 0.2, likely_wide = 0.02, unlikely = 3e-4;
+  static constexpr std::size_t few_axes = 2;
 
   // The first candidate that the atlas knows of each likely gait; of none over few axes.
   static std::vector<const Candidate*> firsts_of_likely(const std::vector<Candidate>& candidates, const Indices& gaits,
                                                         const std::vector<float>& probabilities, std::size_t axes) {
     std::vector<const Candidate*> firsts;
-    if (axes <= AtlasView::near_axes) return firsts;
+    if (axes <= few_axes) return firsts;
+    const double least = axes > AtlasView::near_axes ? likely_wide : likely;
     for (const std::size_t gait : gaits) {
-      if (!(static_cast<double>(probabilities[gait]) >= likely)) continue;
+      if (!(static_cast<double>(probabilities[gait]) >= least)) continue;
       const auto known = [&](const Candidate& each) { return each.gait == gait && each.sheet; };
       const auto first = std::find_if(candidates.begin(), candidates.end(), known);
       if (first != candidates.end()) firsts.push_back(&*first);
@@ -118,7 +121,7 @@ class Planner {
 
   // The candidates of the first `top` gaits in order until one is refined; then each one left that may cost less than
   // the cheapest so far, and the `sure` ones, the most promising first: before a cliff of the cost and across its kinks
-  // predictions are far off. Over many axes unlikely ones are spared.
+  // predictions are far off. Over more than a few axes unlikely ones are spared.
   std::vector<Attempt> attempts(const std::vector<Candidate>& candidates, const Indices& gaits,
                                 const std::vector<const Candidate*>& sure, const std::vector<float>& probabilities,
                                 std::size_t top, const Vector& place) {
@@ -134,7 +137,7 @@ class Planner {
     if (!done.back().refined()) return done;
     std::vector<std::pair<double, const Candidate*>> rivals;
     for (const Candidate* each : left) {
-      const bool is_spared = each->gait != candidates.front().gait && place.size() > AtlasView::near_axes &&
+      const bool is_spared = each->gait != candidates.front().gait && place.size() > few_axes &&
                              static_cast<double>(probabilities[each->gait]) < unlikely;
       if (!is_spared) rivals.emplace_back(refiner_.least(*each, place), each);
     }
