@@ -18,7 +18,7 @@ from benchmarks.paper.table import off_grid_places
 from benchmarks.rows import Row, RowStore
 from gaitflow.certificate.judge import DEARER
 from gaitflow.files import sha256_file
-from gaitflow.runtime import GaitMap, atlas, attempt, compiled, gait_map, plan, problem, refine
+from gaitflow.runtime import GaitMap, atlas, attempt, compiled, gait_map, plan, problem, refine, rivals
 from gaitflow.runtime.files import MANIFEST
 from gaitflow.runtime.versions import resolve
 from gaitflow.solvers import interior_point, kkt, point, program
@@ -27,7 +27,7 @@ TASKS, BY_IPOPT = 200, 60
 TASK_LIMIT_S = 60.0  # wall time of a plan and a solve, beyond which the process counts as hung
 AIMED_AT = {"python": 10.0, "compiled": 10.0, "cpp": 30.0}  # times one IPOPT solve, at the median
 ALONE = ("alone", "compiled_alone")  # plans that try no other gait, in Python
-_RUNTIME = (atlas, attempt, compiled, gait_map, plan, problem, refine)
+_RUNTIME = (atlas, attempt, compiled, gait_map, plan, problem, refine, rivals)
 _MODULES = (mean_start, plan_times, cpp, *_RUNTIME, interior_point, kkt, point, program)
 NOTES = (
     f"A row a map, its newest version. {TASKS} tasks are random by `seed`, uniform in its domain, off its grid. Each "

@@ -20,7 +20,7 @@ from benchmarks.search.tasks import task_key, task_values
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.task import Task
 from gaitflow.files import sha256_file
-from gaitflow.runtime import GaitMap, atlas, gait_map, nearby, plan, problem, refine
+from gaitflow.runtime import GaitMap, atlas, gait_map, nearby, plan, problem, refine, rivals
 from gaitflow.runtime.versions import resolve
 from gaitflow.solvers import interior_point, kkt, options, point, program
 
@@ -28,7 +28,7 @@ PLAN = "plan"
 PAPER = "bigm_random"
 METHODS = (PLAN, "bounds_mean", "bounds_random", PAPER)
 _MODULES = (fixed_gait, big_m, plan_times, atlas, nearby, gait_map, interior_point, kkt, plan, point, problem, program,
-            refine, options)  # fmt: skip
+            refine, rivals, options)  # fmt: skip
 
 
 class PlanAndFixedGait:

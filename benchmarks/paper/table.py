@@ -24,7 +24,7 @@ from gaitflow.core.domain import Domain
 from gaitflow.core.gaits import Pattern, representative
 from gaitflow.core.task import Task
 from gaitflow.files import sha256_file
-from gaitflow.runtime import GaitMap, atlas, gait_map, nearby, plan, problem, refine
+from gaitflow.runtime import GaitMap, atlas, gait_map, nearby, plan, problem, refine, rivals
 from gaitflow.runtime.versions import resolve
 from gaitflow.solvers import interior_point, kkt, options
 
@@ -107,7 +107,7 @@ def fixed_gaits(
         task_key(scenario, task) | {"method": method, "seed": seed} for task in tasks for method in fixed_gait.METHODS
     ]
     about = {"manifest": sha256_file(resolve(artifact) / "manifest.json")}
-    modules = [fixed_gait, big_m, atlas, nearby, gait_map, interior_point, kkt, plan, problem, refine, options]
+    modules = [fixed_gait, big_m, atlas, nearby, gait_map, interior_point, kkt, plan, problem, refine, rivals, options]
     limit = 10 * scenario.strategy.solve_time_limit  # wall time: the machine may be busy
     setup = {"artifact": str(artifact), "warm_up": task_key(scenario, warm_up)}
     with child.Child("benchmarks.paper.fixed_gait:FixedGait", setup) as planner:

@@ -11,7 +11,7 @@ from gaitflow.core.trajectory import Array
 from gaitflow.learn.installed import check_installed
 from gaitflow.runtime.atlas import Atlas
 from gaitflow.runtime.classifier import Classifier
-from gaitflow.runtime.plan import asks_classifier
+from gaitflow.runtime.rivals import asks_classifier
 from gaitflow.sampling.making import MapInMaking
 from gaitflow.sampling.planning import Chances, Planning
 from gaitflow.tables.solver_code import package_digest

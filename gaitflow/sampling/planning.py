@@ -19,8 +19,9 @@ from gaitflow.core.task import Task
 from gaitflow.core.trajectory import Array
 from gaitflow.runtime.atlas import Atlas
 from gaitflow.runtime.attempt import Effort
-from gaitflow.runtime.plan import LEAST_SAVING, TOP, effort_for, likely, tried_below, unlikely
+from gaitflow.runtime.plan import TOP
 from gaitflow.runtime.refine import tries_of
+from gaitflow.runtime.rivals import LEAST_SAVING, effort_for, likely, tried_below, unlikely
 from gaitflow.runtime.starts import starts_of
 from gaitflow.sampling.making import MapInMaking
 from gaitflow.search import starts

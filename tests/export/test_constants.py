@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from gaitflow.core import check
-from gaitflow.runtime import atlas, condensed, gait_map, plan, refine, starts
+from gaitflow.runtime import atlas, condensed, gait_map, refine, rivals, starts
 from gaitflow.solvers import interior_point, kkt, point
 
 CONSTANTS = {
@@ -36,9 +36,9 @@ CONSTANTS = {
         "rival_starts": refine.RIVAL_STARTS,
     },
     "planner.hpp": {
-        "least_saving": plan.LEAST_SAVING, "great_saving": plan.GREAT_SAVING, "likely": plan.LIKELY,
-        "likely_wide": plan.LIKELY_WIDE, "unlikely": plan.UNLIKELY, "few_axes": plan.FEW_AXES,
-        "surprise": plan.SURPRISE, "surprised": plan.SURPRISED,
+        "least_saving": rivals.LEAST_SAVING, "great_saving": rivals.GREAT_SAVING, "likely": rivals.LIKELY,
+        "likely_wide": rivals.LIKELY_WIDE, "unlikely": rivals.UNLIKELY, "few_axes": rivals.FEW_AXES,
+        "surprise": rivals.SURPRISE, "surprised": rivals.SURPRISED,
     },
     "atlas.hpp": {
         "hardly_tried": atlas.HARDLY_TRIED, "hardly": atlas.HARDLY, "near_axes": atlas.NEAR_AXES,

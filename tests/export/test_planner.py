@@ -17,7 +17,7 @@ from gaitflow.core import check
 from gaitflow.export import Exported, export_c
 from gaitflow.runtime import GaitMap
 from gaitflow.runtime.atlas import Atlas
-from gaitflow.runtime.plan import UNLIKELY
+from gaitflow.runtime.rivals import UNLIKELY
 from gaitflow.runtime.versions import resolve
 
 pytestmark = pytest.mark.slow

@@ -20,7 +20,7 @@ from gaitflow.learn import installed
 from gaitflow.pipeline import chances
 from gaitflow.pipeline.chances import chances_of, check_trainable, learning_of, planning_of
 from gaitflow.runtime.atlas import Atlas
-from gaitflow.runtime.plan import FEW_AXES
+from gaitflow.runtime.rivals import FEW_AXES
 
 AXES = ("speed", "cycle_duration")
 OTHER = "0011/1100"  # competes somewhere, and is the best nowhere

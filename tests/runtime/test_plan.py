@@ -16,7 +16,8 @@ from gaitflow.problem import GaitProblem
 from gaitflow.runtime import GaitMap, OutOfDomain, Plan, refine
 from gaitflow.runtime.atlas import NEAR_AXES, Atlas
 from gaitflow.runtime.attempt import Attempt, Candidate, Effort
-from gaitflow.runtime.plan import FEW_AXES, LIKELY, LIKELY_WIDE, UNLIKELY, Asked, likely, refine_ranked, unlikely
+from gaitflow.runtime.plan import Asked, refine_ranked
+from gaitflow.runtime.rivals import FEW_AXES, UNLIKELY
 
 TASK, VALUES = task_of(0.9, 0.6), {"speed": 0.9, "cycle_duration": 0.6}
 FAST = (2.05, 0.9)  # beyond what walking can do
@@ -477,16 +478,6 @@ def test_over_more_than_a_few_axes_an_unlikely_gait_is_not_looked_at(
     scripted = Scripted(gait_map, [SOLVED] * 3, [LOST] * 3, (10.0, 9.0, 8.0), (10.0, 9.5, 9.6), axes)
     refine_ranked(scripted, ranked, Asked(TASK, VALUES, True, 0.0, 0.0))
     assert scripted.calls == calls
-
-
-@pytest.mark.parametrize(
-    ("axes", "sure", "spared"),
-    [(FEW_AXES, set(), set()), (FEW_AXES + 1, {0, 5}, {4}), (NEAR_AXES + 1, {0, 5, 2, 3}, {4})],
-)
-def test_gaits_by_their_probability(axes: int, sure: set[int], spared: set[int]) -> None:
-    atlas = Atlas.empty([f"axis {number}" for number in range(axes)])
-    chances = {4: UNLIKELY / 2, 2: LIKELY_WIDE, 0: 0.8, 1: UNLIKELY, 3: LIKELY / 2, 5: LIKELY, 6: LIKELY_WIDE / 2}
-    assert (likely(atlas, chances), unlikely(atlas, chances)) == (sure, spared)
 
 
 @pytest.mark.parametrize(

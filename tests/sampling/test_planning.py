@@ -13,8 +13,8 @@ from tiny_map import tiny_atlas, tiny_growth
 from gaitflow.atlas.plan_solver import PlanSolver, Try
 from gaitflow.runtime import GaitMap
 from gaitflow.runtime.atlas import Atlas
-from gaitflow.runtime.plan import FEW_AXES, UNLIKELY
 from gaitflow.runtime.refine import FIRST_STARTS, LIMIT, RIVAL_LIMIT, RIVAL_STARTS
+from gaitflow.runtime.rivals import FEW_AXES, UNLIKELY
 from gaitflow.sampling.planning import AT_ONCE, Planned, solves, together
 from tests.helpers.sheets import LAYOUT, sheet
 
