@@ -61,7 +61,7 @@ class GaitMap:
         only with `trust_code`, which lets that code run in this process.
 
         `compiled` is the folder where an export of this map was built (docs/runtime.md). Plans are the same then, and
-        two to three times as fast. The library in that folder runs in this process: take one that you built yourself.
+        three to six times as fast. The library in that folder runs in this process: take one that you built yourself.
 
         Raises ArtifactError, which names the file and what is wrong with it.
         """
