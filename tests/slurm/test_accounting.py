@@ -37,15 +37,18 @@ def cluster(slurm_installed: None, monkeypatch: pytest.MonkeyPatch) -> Iterator[
 
 
 def cpu_seconds(cluster: Cluster) -> float:
-    """What Slurm counted for all jobs, once they have ended [s]."""
-    deadline = time.monotonic() + ENDS_WITHIN_S
+    """What Slurm counted for all jobs, once they have ended and two readings agree [s]: it counts a moment later."""
+    deadline, before = time.monotonic() + ENDS_WITHIN_S, 0.0
     while True:
         told = cluster.call("sacct", "--allusers", "--noheader", "--parsable2", "-o", "JobID,State,TotalCPU")
         steps = [line.split("|") for line in told.splitlines() if ".batch|" in line]
-        if steps and all(state != "RUNNING" for _, state, _ in steps) and not cluster.call("squeue", "--noheader"):
-            return sum(_seconds(cpu) for _, _, cpu in steps)
+        counted = sum(_seconds(cpu) for _, _, cpu in steps)
+        if all(state != "RUNNING" for _, state, _ in steps) and not cluster.call("squeue", "--noheader"):
+            if 0 < counted == before:
+                return counted
+            before = counted
         assert time.monotonic() < deadline, told
-        time.sleep(0.5)
+        time.sleep(1.0)
 
 
 def _seconds(text: str) -> float:
