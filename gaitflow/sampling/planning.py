@@ -128,8 +128,9 @@ def solves(
         cost = yield from solved(sheet, Effort.FIRST)
         if cost is not None:
             of_gaits = dict(enumerate(chances or ()))
-            sure = {each for each in atlas.ranked(asked, chances) if atlas.sheets[each].gait in likely(atlas, of_gaits)}
-            spared = unlikely(atlas, of_gaits) - {atlas.sheets[candidates[0]].gait}
+            tried_anyway, spared = likely(atlas, of_gaits), unlikely(atlas, of_gaits)
+            sure = {each for each in atlas.ranked(asked, chances) if atlas.sheets[each].gait in tried_anyway}
+            spared -= {atlas.sheets[candidates[0]].gait}
             done = tried.union(each for each in candidates if atlas.sheets[each].gait in spared)
             return (yield from _cheapest(atlas, (sheet, cost), done, sure, asked, solved))
     return None
