@@ -1,4 +1,4 @@
-"""Progress on standard error: a bar on a terminal, a plain line every few seconds elsewhere."""
+"""Progress on standard error: a bar on a terminal, elsewhere plain lines that grow rarer with time."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from rich.console import Console
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-LINE_EVERY_S = 5.0
+FIRST_PAUSE_S, LONGEST_PAUSE_S = 5.0, 60.0
+PAUSE_SHARE = 0.05  # of the time that has passed
 BAR_WIDTH = 20
 
 
@@ -30,6 +31,11 @@ def display(title: str, console: Console | None = None) -> Iterator[Tell]:
     console = console or Console(stderr=True)
     with _bar(title, console) if console.is_terminal else _lines(title, console) as tell:
         yield tell
+
+
+def pause_after(elapsed: float) -> float:
+    """Seconds until the next plain line, `elapsed` seconds after the start: the log of a long job stays short."""
+    return min(max(FIRST_PAUSE_S, PAUSE_SHARE * elapsed), LONGEST_PAUSE_S)
 
 
 @contextmanager
@@ -64,7 +70,7 @@ def _lines(title: str, console: Console) -> Iterator[Tell]:
             console.print(text, markup=False, highlight=False, soft_wrap=True)
 
     def repeat() -> None:
-        while not over.wait(LINE_EVERY_S):
+        while not over.wait(pause_after(time.monotonic() - start)):
             line()
 
     def tell(text: str, share: float | None = None, notes: Sequence[str] = ()) -> None:

@@ -29,7 +29,7 @@ def test_the_bar_is_of_what_was_missing_and_moves_inside_units() -> None:
 
 
 def test_plain_lines_when_not_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "LINE_EVERY_S", 0.05)
+    monkeypatch.setattr(module, "FIRST_PAUSE_S", 0.05)
     out = io.StringIO()
     with progress("map [x]", Console(file=out, width=40)) as on_event:
         on_event(RunState(10, 0, 1, 0))
@@ -40,6 +40,11 @@ def test_plain_lines_when_not_a_terminal(monkeypatch: pytest.MonkeyPatch) -> Non
     assert "unit [ab]: crashed: SIGSEGV" in lines
     assert re.fullmatch(r"map \[x\]: 10 of 10 units \(1 failed\), 0:00:0\d elapsed", lines[-1])
     assert "\x1b" not in out.getvalue()
+
+
+def test_plain_lines_grow_rarer_with_time() -> None:
+    pauses = [module.pause_after(elapsed) for elapsed in (0.0, 60.0, 600.0, 36000.0)]
+    assert pauses == [5.0, 5.0, 30.0, 60.0]
 
 
 def test_a_bar_on_a_terminal() -> None:
