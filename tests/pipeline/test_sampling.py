@@ -181,3 +181,32 @@ def test_a_map_that_is_its_own_image_learns_twice_from_a_search(tmp_path: Path) 
     for yaw_rate, cycle in ((0.3, 0.55), (0.7, 0.65)):
         left, right = (gait_map.plan(yaw_rate=way * yaw_rate, cycle_duration=cycle) for way in (1, -1))
         assert left.feasible and right.feasible and right.cost == pytest.approx(left.cost, rel=1e-3)
+
+
+EVERYWHERE = SCENARIO.replace("name: adaptive-small", "name: wide-small").replace(
+    "cycle_duration: {start: 0.4, stop: 0.8, count: 3}}",
+    "cycle_duration: {start: 0.4, stop: 0.8, count: 3}, slope: {start: -10.0, stop: 10.0, count: 3}, "
+    "friction: {start: 0.4, stop: 0.8, count: 2}}",
+)
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(900)
+def test_over_four_axes_a_published_map_plans_as_it_was_certified(tmp_path: Path) -> None:
+    (tmp_path / "small.yaml").write_text(EVERYWHERE.replace("dearer: 0.2", "dearer: 0.3"))
+    for stage in ("solve", "label", "atlas", "train"):
+        gaitflow(tmp_path, stage, "small.yaml")
+    gaitflow(tmp_path, "publish", "small.yaml", "--force")  # so small a map is beyond its scenario's limits
+    gait_map = GaitMap.load(tmp_path / "models" / "wide-small")
+    certificate = gait_map.manifest.metrics["certificate"]
+    assert certificate["learning"] is not None, "its plans asked a classifier, as those of the published map do"
+
+    axes = tuple(gait_map.manifest.domain.axes)
+    assert len(axes) == 4
+    labels = pq.read_table(tmp_path / "runs" / "wide-small" / "labels.parquet").to_pandas()
+    drawn = labels[(labels["split"] == "held_out") & (labels["status"] == "solved")]
+    assert len(drawn) == certificate["searched"]
+    plans = [gait_map.plan(**{axis: getattr(row, axis) for axis in axes}) for row in drawn.itertuples()]
+    assert all(plan.feasible for plan in plans)
+    dearer = [plan.cost > 1.01 * cost for plan, cost in zip(plans, drawn["cost"], strict=True)]
+    assert sum(dearer) == certificate["dearer"]
