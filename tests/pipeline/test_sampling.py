@@ -193,7 +193,7 @@ EVERYWHERE = SCENARIO.replace("name: adaptive-small", "name: wide-small").replac
 @pytest.mark.slow
 @pytest.mark.timeout(900)
 def test_over_four_axes_a_published_map_plans_as_it_was_certified(tmp_path: Path) -> None:
-    (tmp_path / "small.yaml").write_text(EVERYWHERE.replace("dearer: 0.2", "dearer: 0.3"))
+    (tmp_path / "small.yaml").write_text(EVERYWHERE.replace("dearer: 0.2", "dearer: 0.4").replace("each: 3", "each: 2"))
     for stage in ("solve", "label", "atlas", "train"):
         gaitflow(tmp_path, stage, "small.yaml")
     gaitflow(tmp_path, "publish", "small.yaml", "--force")  # so small a map is beyond its scenario's limits
