@@ -11,6 +11,7 @@ import sys
 import threading
 from collections.abc import Iterator, Set
 from contextlib import contextmanager
+from pathlib import Path
 from types import FrameType
 
 from gaitflow.execute.stop_request import SPOKEN_FOR, heard_signals
@@ -22,9 +23,18 @@ CLEAN_LINE = b"\r\x1b[K\x1b[?25h"  # over a bar, and with the cursor that it hid
 
 @contextmanager
 def while_importing() -> Iterator[None]:
-    """Leave at once on Ctrl-C: in an import there is nothing to tidy up, and nobody yet who would catch it."""
-    with _heard({signal.SIGINT}, lambda number, frame: _leave_now()):
+    """Leave at once on Ctrl-C: in an import there is nothing to tidy up, and nobody yet who would catch it.
+
+    Where a command starts, it stays so until `while_running`. Python still has to run what it imported, and a signal
+    that is blocked here may be heard in a thread that a library has started.
+    """
+    with _heard({signal.SIGINT}, lambda number, frame: _leave_now(), keep=_starts_command()):
         yield
+
+
+def _starts_command() -> bool:
+    """Whether Python imports us for `python -m gaitflow.cli`, which it calls "-m" so far, or for the script."""
+    return bool(sys.argv) and Path(sys.argv[0]).name in ("-m", "gaitflow")
 
 
 @contextmanager
@@ -66,7 +76,8 @@ def while_running() -> Iterator[None]:
 
 
 @contextmanager
-def _heard(signals: Set[signal.Signals], handler: signal._HANDLER) -> Iterator[None]:
+def _heard(signals: Set[signal.Signals], handler: signal._HANDLER, keep: bool = False) -> Iterator[None]:
+    """Let a handler have these signals; with `keep` for good, where Python's own had them."""
     # A worker process imports the command line, too, under this name, and its parent stops it. So it leaves SIGINT
     # blocked: threads that libraries start while it is unblocked would hear Ctrl-C as long as the worker lives.
     # Everywhere else multiprocessing makes the same name an alias of the module `__main__`.
@@ -82,7 +93,8 @@ def _heard(signals: Set[signal.Signals], handler: signal._HANDLER) -> Iterator[N
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         for each, earlier in before.items():
-            signal.signal(each, earlier)
+            if not (keep and earlier is signal.default_int_handler):
+                signal.signal(each, earlier)
 
 
 def _leave_now() -> None:

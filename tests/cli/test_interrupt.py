@@ -114,6 +114,21 @@ with while_running():
     assert (run.returncode, run.stderr) == (130, LINE + "\n")
 
 
+@pytest.mark.parametrize("started_as", ["-m", "/usr/bin/gaitflow", "script.py", ""])
+def test_ctrl_c_between_the_import_and_the_command_is_one_line(started_as: str) -> None:
+    script = f"""
+import os, signal, sys
+sys.argv[0] = {started_as!r}
+import gaitflow.cli
+os.kill(os.getpid(), signal.SIGINT)
+"""
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60)
+    if started_as in ("script.py", ""):  # whoever imports the command line keeps Python's own handler
+        assert run.stderr.endswith("KeyboardInterrupt\n")
+    else:
+        assert (run.returncode, run.stderr) == (130, LINE + "\n")
+
+
 def test_a_worker_that_imports_the_command_line_leaves_ctrl_c_blocked(tmp_path: Path) -> None:
     """Also in the threads of a library that is imported: they inherit what was blocked when they were started."""
     script = """
