@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from gaitflow.config.scenario import Scenario, digest_of
 from gaitflow.core.task import Task
 from gaitflow.dataset.collect import searched_rows, tasks_as_chosen
-from gaitflow.dataset.read import Solutions, load_solutions
+from gaitflow.dataset.read import Solutions
 from gaitflow.search.solution import Solution
 from gaitflow.store.parts import UnitStore
 from gaitflow.store.units import Unit, plan_cold
@@ -21,21 +20,20 @@ class OtherSearches(ValueError):
     """A dataset holds no searches that this scenario, solved by this code, would make; the message says why."""
 
 
-def restore(store: UnitStore, scenario: Scenario, dataset: Path) -> list[Task]:
-    """Store the searches of a dataset as parts of an adaptive sampling of `scenario`; returns their tasks.
+def restore(store: UnitStore, scenario: Scenario, solutions: Solutions) -> list[Task]:
+    """Store the searches of a published dataset as parts of an adaptive sampling of `scenario`; returns their tasks.
 
-    Each part says who solved it, as the dataset does. A published dataset has dropped the motions of dear gaits, and so
-    do the parts. Rows of mirror images are left out, since they follow from the others.
+    Each part says who solved it, as the dataset does. The dataset has dropped the motions of dear gaits, and so do the
+    parts. Rows of mirror images are left out, since they follow from the others.
 
     Raises OtherSearches unless the scenario's problem, its strategy and the solver's code are those of the dataset;
-    ValueError when the dataset cannot be read, WriteError.
+    WriteError.
     """
-    solutions = load_solutions(dataset)
     tasks = tasks_as_chosen(solutions)
     units = plan_cold(scenario, tasks)
     record = solutions.record
     if scenario.tasks.adaptive is None or record["units_digest"] != digest_of(sorted(unit.digest for unit in units)):
-        raise OtherSearches(f"{dataset}: {_difference(scenario, record)}")
+        raise OtherSearches(_difference(scenario, record))
     options = record["solver_options"]
     for unit, rows, maker in zip(units, _rows_of(units, solutions), _makers(record, len(units)), strict=True):
         store.write(unit, rows, options[0] if len(options) == 1 else {"one of": options}, maker)

@@ -7,7 +7,7 @@ from pathlib import Path
 from gaitflow.config.scenario import Scenario
 from gaitflow.dataset.collect import NotComplete, collect
 from gaitflow.dataset.read import load_solutions
-from gaitflow.dataset.restore import restore
+from gaitflow.dataset.restore import OtherSearches, restore
 from gaitflow.files import make_folder
 from gaitflow.pipeline.labelling import write_labels
 from gaitflow.pipeline.sampling import chosen_tasks, written_rounds
@@ -54,10 +54,14 @@ def begin_from(store: UnitStore, scenario: Scenario, dataset: Path) -> list[Roun
     folder = version_folder(dataset)
     if faults := verify_dataset(folder):
         raise ValueError(f"{folder}: is not sound: {faults[0]}; gaitflow verify {folder} lists all that is wrong")
-    tasks, record = restore(store, scenario, folder), load_solutions(folder).record
-    if "rounds" not in record:
-        return [Round("known", tuple(tasks), askings=int(record.get("askings", 0)))]
-    rounds = rounds_from(record["rounds"], scenario.tasks.space)
+    solutions = load_solutions(folder)
+    try:
+        tasks = restore(store, scenario, solutions)
+    except OtherSearches as error:
+        raise OtherSearches(f"{folder}: {error}") from None
+    if "rounds" not in solutions.record:
+        return [Round("known", tuple(tasks), askings=int(solutions.record.get("askings", 0)))]
+    rounds = rounds_from(solutions.record["rounds"], scenario.tasks.space)
     if not set(tasks) <= {task for one in rounds for task in one.tasks}:
         raise ValueError(f"{folder}: it has searches of tasks that its rounds lack")
     return rounds

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -75,3 +76,12 @@ def test_rounds_that_lack_a_searched_task_are_refused(
     )
     with pytest.raises(ValueError, match="searches of tasks that its rounds lack"):
         begin_from(UnitStore(tmp_path / "other"), scenario, dataset)
+
+
+def test_a_refused_dataset_is_named(tmp_path: Path, scenario: Scenario) -> None:
+    tasks = tuple(tasks_of(scenario))
+    dataset = stopped(Workspace(tmp_path), scenario, [Round("start", tasks)], list(tasks))
+    data = scenario.as_data()
+    other = Scenario.from_data(data | {"strategy": data["strategy"] | {"restarts": 7}}, "test")
+    with pytest.raises(ValueError, match=f"^{re.escape(str(dataset))}: its scenario quickstart has another"):
+        begin_from(UnitStore(tmp_path / "other"), other, dataset)
