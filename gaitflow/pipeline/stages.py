@@ -176,7 +176,7 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None, force
     from gaitflow.publishing import Parts, PublishError
     from gaitflow.publishing import publish as publish_map
     from gaitflow.publishing.dataset import publish_dataset
-    from gaitflow.publishing.judge_map import BEYOND, disregarded, faults_of_certificate, faults_of_map
+    from gaitflow.publishing.judge_map import BEYOND, disregarded, faults_of_certificate, faults_of_map, outdated
     from gaitflow.solvers.options import IPOPT_WARM
     from gaitflow.tables.provenance import made_by
 
@@ -192,7 +192,9 @@ def publish(workspace: Workspace, scenario: Scenario, version: str | None, force
     if scenario.tasks.adaptive is not None:
         del record["feasible"]
         judged = {"certificate": record.pop("certificate"), "sampling": record.pop("curve")}
-        faults += faults_of_certificate(scenario.tasks.adaptive, judged["certificate"], learning_of(scenario))
+        outdated_since = outdated(judged["certificate"], learning_of(scenario))
+        misses = faults_of_certificate(scenario.tasks.adaptive, judged["certificate"])
+        faults += [outdated_since] if outdated_since else misses
     if faults and not force:
         told = "; ".join(faults)
         raise PublishError(

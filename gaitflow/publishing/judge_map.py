@@ -33,15 +33,18 @@ def faults_of_map(limits: Limits, metrics: Mapping[str, Any], certificate: Mappi
     ]
 
 
-def faults_of_certificate(
-    goal: Sampling, certificate: Mapping[str, Any] | None, learning: str | None = None
-) -> list[str]:
-    """What of a map's certificate misses the goal of its sampling, a sentence each; a map without one misses it.
+def outdated(certificate: Mapping[str, Any] | None, learning: str) -> str | None:
+    """Why a map's certificate is not of the map's plans, in one sentence; None where it is, or where there is none.
 
-    So does one of plans whose classifier was not trained by `learning`, the digest of what trains the map's own.
+    `learning` is the digest of what trains the map's classifier, which its plans ask.
     """
-    if certificate is not None and certificate.get("learning") != learning:
-        return ["the certificate was asked before the classifier's training changed: `gaitflow solve` asks it again"]
+    if certificate is None or certificate.get("learning") == learning:
+        return None
+    return "the certificate was asked before the classifier's training changed: `gaitflow solve` asks it again"
+
+
+def faults_of_certificate(goal: Sampling, certificate: Mapping[str, Any] | None) -> list[str]:
+    """What of a map's certificate misses the goal of its sampling, a sentence each; a map without one misses it."""
     if certificate is None:
         return [f"no certificate of the map as it is: tasks.sampling.most = {goal.most} left too few searches for one"]
     measured = [

@@ -14,7 +14,7 @@ from gaitflow.config.limits import Limits
 from gaitflow.config.sampling import Sampling
 from gaitflow.config.scenario import Scenario, digest_of, load_scenario
 from gaitflow.publishing import Parts, publish
-from gaitflow.publishing.judge_map import BEYOND, disregarded, faults_of_certificate, faults_of_map
+from gaitflow.publishing.judge_map import BEYOND, disregarded, faults_of_certificate, faults_of_map, outdated
 
 
 def metrics(regret: float | None, infeasible: float | None) -> dict[str, Any]:
@@ -99,8 +99,8 @@ def test_a_certificate_is_judged_by_the_goal_of_its_sampling() -> None:
 
 
 def test_a_certificate_is_of_the_classifier_that_its_plans_asked() -> None:
-    goal, good = Sampling(dearer=0.02, infeasible=0.005), {"dearer_bound": 0.02, "infeasible_bound": 0.004}
-    assert faults_of_certificate(goal, good | {"learning": "abc"}, "abc") == []
-    for certificate, learning in ((good | {"learning": "abc"}, "def"), (good, "abc")):
-        (fault,) = faults_of_certificate(goal, certificate, learning)
-        assert "classifier's training changed" in fault and "`gaitflow solve`" in fault
+    good = {"dearer_bound": 0.02, "infeasible_bound": 0.004}
+    assert outdated(good | {"learning": "abc"}, "abc") is None and outdated(None, "abc") is None
+    for certificate in (good | {"learning": "def"}, good):
+        fault = outdated(certificate, "abc")
+        assert fault and "classifier's training changed" in fault and "`gaitflow solve`" in fault

@@ -58,6 +58,11 @@ def test_what_misses_the_goal_is_told(certificate, fault) -> None:
     assert last.startswith("Short of the scenario's goal: ") and fault in last
 
 
+def test_what_trained_the_classifier_of_a_good_certificate_is_no_fault() -> None:
+    told = certificate_in_words(SamplingRecord(replace(GOOD, learning="abc").as_data(), ROUNDS), Sampling())
+    assert not any("Short of" in each for each in told)
+
+
 def test_every_round_is_a_row() -> None:
     assert rounds_table(SamplingRecord(GOOD.as_data(), ROUNDS)).rows == (
         ("1", "spread over the box", "32", "32", "–", "6", "–", "–"),
