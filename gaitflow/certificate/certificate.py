@@ -24,8 +24,8 @@ class Certificate:
     is more than `tolerance` dearer or not there. selected_bound: that bound for these, which holds with the same
     confidence by itself. Certificates from before plans were judged have neither; all that they say is of selections.
 
-    learning: the digest of what trained the classifier that the plans asked. None where they asked none, in documents
-    of published maps, and in certificates from before it was kept.
+    learning: the digest of what trained the classifier that the plans asked. None in documents of published maps, and
+    in certificates from before it was kept.
     """
 
     searched: int

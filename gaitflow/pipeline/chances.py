@@ -8,38 +8,28 @@ import numpy as np
 
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.trajectory import Array
-from gaitflow.learn.installed import check_installed
 from gaitflow.runtime.atlas import Atlas
 from gaitflow.runtime.classifier import Classifier
-from gaitflow.runtime.rivals import asks_classifier
 from gaitflow.sampling.making import MapInMaking
 from gaitflow.sampling.planning import Chances, Planning
 from gaitflow.tables.solver_code import package_digest
 
 
-def check_trainable(scenario: Scenario) -> None:
-    """Raises ConfigError where a sampling would train a classifier for its plans, and cannot here."""
-    if _asks_classifier(scenario):
-        check_installed(scenario.learning)
-
-
-def learning_of(scenario: Scenario) -> str | None:
-    """The digest of what trains the classifier that plans ask: its code and settings; None where they ask none."""
-    if not _asks_classifier(scenario):
-        return None
+def learning_of(scenario: Scenario) -> str:
+    """The digest of what trains the classifier that plans ask: its code and settings."""
     told = f"{package_digest(['learn/*.py'])} {scenario.learning.model_dump_json()}"
     return hashlib.sha256(told.encode()).hexdigest()
 
 
 def planning_of(making: MapInMaking) -> Planning:
-    """How the map in the making would plan; over so few axes that no plan asks for it, no classifier is trained."""
+    """How the map in the making would plan, once its classifier is trained."""
     atlas = making.built()
-    return Planning(making, atlas, chances_of(making, atlas) if _asks_classifier(making.scenario) else None)
+    return Planning(making, atlas, chances_of(making, atlas))
 
 
 def chances_of(making: MapInMaking, atlas: Atlas) -> Chances:
     """The probabilities of the gaits, in the order of `making.gaits`, by a classifier trained as for publishing."""
-    from gaitflow.learn.mirror import images_of_gaits  # what a sampling over few axes does without
+    from gaitflow.learn.mirror import images_of_gaits  # what the other commands that know samplings do without
     from gaitflow.learn.train import KnownCosts, train
 
     scenario, axes = making.scenario, making.scenario.tasks.space.ranged
@@ -58,7 +48,3 @@ def chances_of(making: MapInMaking, atlas: Atlas) -> Chances:
         return found
 
     return chances
-
-
-def _asks_classifier(scenario: Scenario) -> bool:
-    return asks_classifier(len(scenario.tasks.space.ranged))

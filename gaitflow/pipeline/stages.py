@@ -75,14 +75,14 @@ def solve(
                 raise ValueError(f"{scenario.name}: its tasks are a grid; only a sampling begins from a dataset")
             return search(), collect(store, scenario)
         from gaitflow.execute.node_processes import node_processes
-        from gaitflow.pipeline.chances import check_trainable
+        from gaitflow.learn.installed import check_installed
         from gaitflow.pipeline.earlier_map import keep_earlier
         from gaitflow.pipeline.kept_nodes import kept_nodes
         from gaitflow.pipeline.sampling import sample
         from gaitflow.pipeline.searches import begin_from
         from gaitflow.sampling.rounds import askings, held_out
 
-        check_trainable(scenario)
+        check_installed(scenario.learning)  # a sampling trains classifiers for its plans
         begun = () if begin is None else begin_from(store, scenario, begin)
         if begin is not None and earlier is not None:
             keep_earlier(run, scenario, earlier, begin)

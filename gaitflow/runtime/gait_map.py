@@ -166,8 +166,8 @@ class GaitMap:
 
         The gait that `select` names is tried first. Gaits that the atlas does not know at this task come last, by their
         probability. If none of a gait's patterns that the atlas knows here leads to a feasible motion, the next gait
-        is tried, `top` gaits at most. Others that may cost less than what was found are tried as well; over more than
-        two axes all that are likely the best, and none that hardly is. `Plan.path` and `Plan.tried` say so. With `gait`
+        is tried, `top` gaits at most. Others that may cost less than what was found are tried as well, and all that are
+        likely the best; over more than two axes none that hardly is. `Plan.path` and `Plan.tried` say so. With `gait`
         only that gait is tried. An axis that is left out is chosen as `select` does, for that gait. `beyond` plans
         outside the map's domain as well; the motion is checked all the same, and `Plan.feasible` has the verdict.
 

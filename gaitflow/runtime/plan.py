@@ -130,7 +130,8 @@ def refine_ranked(
     selected = time.perf_counter()
     candidates = [candidate for candidate, _, _ in ranked]
     chances = {candidate.gait: probability for candidate, _, probability in ranked}
-    sure = _firsts(candidates, likely(refiner.atlas, chances))
+    firsts = _firsts(candidates, likely(refiner.atlas, chances))
+    sure = {place: chances[candidates[place].gait] for place in firsts}
     spared = _spared(candidates, unlikely(refiner.atlas, chances))
     attempts = list(_attempts(refiner, candidates, sure, spared, asked.task, top))
     best, attempt = min(attempts, key=_merit)
@@ -162,7 +163,12 @@ def refine_ranked(
 
 
 def _attempts(
-    refiner: GaitRefiner, candidates: Sequence[Candidate], sure: set[int], spared: set[int], task: Task, top: int
+    refiner: GaitRefiner,
+    candidates: Sequence[Candidate],
+    sure: Mapping[int, float],
+    spared: set[int],
+    task: Task,
+    top: int,
 ) -> Iterator[tuple[int, Attempt]]:
     gaits = list(dict.fromkeys(candidate.gait for candidate in candidates))[:top]
     places = [place for place, candidate in enumerate(candidates) if candidate.gait in gaits]
@@ -184,22 +190,22 @@ def _attempts(
 def _cheaper(
     refiner: GaitRefiner,
     candidates: Sequence[Candidate],
-    sure: Set[int],
+    sure: Mapping[int, float],
     done: Set[int],
     solved: tuple[int, float],
     task: Task,
 ) -> Iterator[tuple[int, Attempt]]:
     """An attempt for each candidate left that may cost less than the cheapest so far, the most promising first.
 
-    `solved` is the place of the first one that was solved, with its cost. Candidates of `sure` are tried whatever they
-    may cost, those of `done` not.
+    `solved` is the place of the first one that was solved, with its cost. Candidates of `sure`, with their
+    probabilities, are tried whatever they may cost, those of `done` not.
     """
     first, cost = solved
     least = refiner.least(candidates, task)
     share = tried_below(refiner.atlas, least[first], cost)
     for place in sorted(range(len(candidates)), key=least.__getitem__):
         if place not in done and (place in sure or least[place] < cost * share):
-            attempt = refiner.fast(candidates[place], task, effort_for(least[place], cost))
+            attempt = refiner.fast(candidates[place], task, effort_for(least[place], cost, sure.get(place, 0.0)))
             yield place, attempt
             if attempt.refined:
                 cost = min(cost, attempt.cost)

@@ -13,27 +13,23 @@ GREAT_SAVING = 0.5  # relative cost for which it is tried harder
 # across a cliff from the nodes around, and other gaits are off as well. Those that may cost SURPRISED times as much at
 # the least are tried there.
 SURPRISE, SURPRISED = 4.0, 1.25
-# Over more than FEW_AXES axes predictions between nodes so far apart mislead. A gait that is so probably the best is
-# tried there whatever it may cost, and one that hardly is the best only if it comes first. Over slopes that spares half
+# A gait that is so probably the best is tried whatever it may cost: where nodes are far apart predictions mislead.
+LIKELY_FEW, LIKELY, LIKELY_WIDE = 0.5, 0.2, 0.02  # up to FEW_AXES axes, up to NEAR_AXES, and over more
+# Over more than FEW_AXES axes one that hardly is the best is tried only if it comes first. Over slopes that spares half
 # of all tries.
-FEW_AXES = 2
-LIKELY, LIKELY_WIDE, UNLIKELY = 0.2, 0.02, 3e-4  # LIKELY_WIDE over more than NEAR_AXES
-
-
-def asks_classifier(axes: int) -> bool:
-    """Whether plans over so many axes ask how likely a gait is the best."""
-    return axes > FEW_AXES
+UNLIKELY, FEW_AXES = 3e-4, 2
+EVEN = 0.5  # probability from which on a likely gait is tried as hard as the first one
 
 
 def likely(atlas: Atlas, chances: Mapping[int, float]) -> set[int]:
-    """The gaits, by their numbers, that are tried whatever they are predicted to cost; none over few axes."""
-    least = LIKELY_WIDE if atlas.is_wide else LIKELY
-    return {gait for gait, chance in chances.items() if asks_classifier(len(atlas.axes)) and chance >= least}
+    """The gaits, by their numbers, that are tried whatever they are predicted to cost."""
+    least = LIKELY_WIDE if atlas.is_wide else LIKELY_FEW if _is_over_few_axes(atlas) else LIKELY
+    return {gait for gait, chance in chances.items() if chance >= least}
 
 
 def unlikely(atlas: Atlas, chances: Mapping[int, float]) -> set[int]:
     """The gaits, by their numbers, that are tried only if they come first; none over few axes."""
-    return {gait for gait, chance in chances.items() if asks_classifier(len(atlas.axes)) and chance < UNLIKELY}
+    return {gait for gait, chance in chances.items() if chance < UNLIKELY and not _is_over_few_axes(atlas)}
 
 
 def tried_below(atlas: Atlas, least: float, cost: float) -> float:
@@ -44,6 +40,15 @@ def tried_below(atlas: Atlas, least: float, cost: float) -> float:
     return SURPRISED if not atlas.is_wide and cost > SURPRISE * least else 1 - LEAST_SAVING
 
 
-def effort_for(least: float, cost: float) -> Effort:
-    """How hard a gait is tried that may cost `least`, when the cheapest so far costs `cost`."""
+def effort_for(least: float, cost: float, chance: float = 0.0) -> Effort:
+    """How hard a gait is tried that may cost `least`, when the cheapest so far costs `cost`.
+
+    `chance` is the probability that it is the best, of one that is tried for it.
+    """
+    if chance >= EVEN:
+        return Effort.FIRST
     return Effort.PROMISING if least < cost * (1 - GREAT_SAVING) else Effort.RIVAL
+
+
+def _is_over_few_axes(atlas: Atlas) -> bool:
+    return len(atlas.axes) <= FEW_AXES

@@ -6,7 +6,7 @@ work ask for is solved together, in several processes.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Iterable, Sequence, Set
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import partial
 from itertools import islice
@@ -48,11 +48,10 @@ class Planned:
 class Planning:
     """Plans of a map in the making as it is now, from the atlas that would be published, `making.built()`.
 
-    `chances` are those of the classifier that would be, whose columns are `making.gaits`; None over so few axes that
-    no plan asks for them.
+    `chances` are those of the classifier that would be, whose columns are `making.gaits`.
     """
 
-    def __init__(self, making: MapInMaking, atlas: Atlas, chances: Chances | None = None) -> None:
+    def __init__(self, making: MapInMaking, atlas: Atlas, chances: Chances) -> None:
         self._making, self._chances = making, chances
         self._gaits = sorted(making.picked)
         self._atlas = atlas.of(self._gaits)
@@ -86,11 +85,11 @@ class Planning:
         ]
         return [self._gaits[self._atlas.sheets[sheets[0]].gait] if sheets else -1 for sheets in ranked]
 
-    def _chances_at(self, places: Sequence[Place]) -> list[list[float] | None]:
+    def _chances_at(self, places: Sequence[Place]) -> list[list[float]]:
         """The probabilities of the atlas' gaits at each place."""
-        if self._chances is None or not places:
-            return [None for _ in places]
-        found: list[list[float] | None] = self._chances(np.array(places))[:, self._gaits].tolist()
+        if not places:
+            return []
+        found: list[list[float]] = self._chances(np.array(places))[:, self._gaits].tolist()
         return found
 
     def _nominal(self, place: Place) -> Array:
@@ -110,13 +109,10 @@ class Planning:
         return None
 
 
-def solves(
-    atlas: Atlas, place: Place, patterns: Sequence[int], nominal: Nominal, chances: Sequence[float] | None = None
-) -> Solves:
+def solves(atlas: Atlas, place: Place, patterns: Sequence[int], nominal: Nominal, chances: Sequence[float]) -> Solves:
     """The solves of a plan at a place: `refine_ranked` without its last resort. Costs are the problem's.
 
-    `patterns` are the numbers by which the atlas' sheets are solved; `chances` the probabilities of its gaits, None
-    over so few axes that no plan asks for them.
+    `patterns` are the numbers by which the atlas' sheets are solved; `chances` the probabilities of its gaits.
     """
     asked = np.array(place)
     solved = partial(_solved, atlas, asked, patterns, nominal)
@@ -127,9 +123,10 @@ def solves(
         tried.add(sheet)
         cost = yield from solved(sheet, Effort.FIRST)
         if cost is not None:
-            of_gaits = dict(enumerate(chances or ()))
+            of_gaits = dict(enumerate(chances))
             tried_anyway, spared = likely(atlas, of_gaits), unlikely(atlas, of_gaits)
-            sure = {each for each in atlas.ranked(asked, chances) if atlas.sheets[each].gait in tried_anyway}
+            firsts = [each for each in atlas.ranked(asked, chances) if atlas.sheets[each].gait in tried_anyway]
+            sure = {each: chances[atlas.sheets[each].gait] for each in firsts}
             spared -= {atlas.sheets[candidates[0]].gait}
             done = tried.union(each for each in candidates if atlas.sheets[each].gait in spared)
             return (yield from _cheapest(atlas, (sheet, cost), done, sure, asked, solved))
@@ -140,19 +137,19 @@ def _cheapest(
     atlas: Atlas,
     first: tuple[int, float],
     done: Set[int],
-    sure: Set[int],
+    sure: Mapping[int, float],
     asked: Array,
     solved: Callable[[int, Effort], Solved],
 ) -> Generator[Asked, float | None, Planned]:
     """The plan that was found first, of this sheet and cost, or a cheaper one.
 
-    Sheets are tried that may be cheaper, or are of `sure`.
+    Sheets are tried that may be cheaper, or are of `sure`, with their probabilities.
     """
     (sheet, cost), least = first, atlas.least_costs(asked)
     best, share = Planned(atlas.sheets[sheet].gait, cost), tried_below(atlas, least[sheet], cost)
     for rival in np.argsort(least, kind="stable").tolist():
         if rival not in done and (rival in sure or least[rival] < best.cost * share):
-            found = yield from solved(rival, effort_for(least[rival], best.cost))
+            found = yield from solved(rival, effort_for(least[rival], best.cost, sure.get(rival, 0.0)))
             if found is not None and found < best.cost * (1 - LEAST_SAVING):
                 best = Planned(atlas.sheets[rival].gait, found)
     return best

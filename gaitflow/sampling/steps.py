@@ -33,7 +33,7 @@ class Steps:
     """What comes next, from what the rounds so far came to.
 
     `planning_of` is how the map in the making plans; `learning` the digest of what trains the classifier that its plans
-    ask, None where they ask none.
+    ask.
     """
 
     def __init__(
@@ -41,7 +41,7 @@ class Steps:
         making: MapInMaking,
         seed: int,
         planning_of: Callable[[MapInMaking], Planning],
-        learning: str | None = None,
+        learning: str,
     ) -> None:
         self._making, self._picks, self._seed, self._learning = making, Picks(making), seed, learning
         self._planning_of = planning_of

@@ -36,9 +36,10 @@ CONSTANTS = {
         "rival_starts": refine.RIVAL_STARTS,
     },
     "planner.hpp": {
-        "least_saving": rivals.LEAST_SAVING, "great_saving": rivals.GREAT_SAVING, "likely": rivals.LIKELY,
-        "likely_wide": rivals.LIKELY_WIDE, "unlikely": rivals.UNLIKELY, "few_axes": rivals.FEW_AXES,
-        "surprise": rivals.SURPRISE, "surprised": rivals.SURPRISED,
+        "least_saving": rivals.LEAST_SAVING, "great_saving": rivals.GREAT_SAVING, "even": rivals.EVEN,
+        "likely_few": rivals.LIKELY_FEW, "likely": rivals.LIKELY, "likely_wide": rivals.LIKELY_WIDE,
+        "unlikely": rivals.UNLIKELY, "few_axes": rivals.FEW_AXES, "surprise": rivals.SURPRISE,
+        "surprised": rivals.SURPRISED,
     },
     "atlas.hpp": {
         "hardly_tried": atlas.HARDLY_TRIED, "hardly": atlas.HARDLY, "near_axes": atlas.NEAR_AXES,

@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 
 from gaitflow.atlas.judge import Predictions
+from gaitflow.config.file import ConfigError
 from gaitflow.config.scenario import Range, Scenario, load_scenario
+from gaitflow.learn import installed
 from gaitflow.pipeline import stages
 from gaitflow.pipeline.atlas_record import atlas_record
 from gaitflow.pipeline.earlier import StageMissing
@@ -41,6 +43,16 @@ def test_training_and_publishing_need_the_atlas(checkout: Path, tmp_path: Path) 
     for stage in (lambda: stages.train(workspace, scenario, False), lambda: stages.publish(workspace, scenario, None)):
         with pytest.raises(StageMissing, match="run `gaitflow atlas quickstart` first"):
             stage()
+
+
+def test_a_sampling_whose_classifier_cannot_be_trained_here_searches_nothing(
+    checkout: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(installed, "find_spec", lambda _: None)
+    workspace, scenario = Workspace(tmp_path), load_scenario(checkout / "configs/scenarios/anymal-exact-vibration.yaml")
+    with pytest.raises(ConfigError, match="needs PyTorch"):
+        stages.solve(workspace, scenario, 1)
+    assert not list(workspace.run(scenario).folder.rglob("*.parquet"))
 
 
 def test_a_summary_counts_tasks_and_the_patterns_of_the_least_symmetric_one(checkout: Path) -> None:

@@ -19,7 +19,7 @@ from gaitflow.runtime import GaitMap
 from gaitflow.runtime.atlas import NEAR_AXES, Atlas
 from gaitflow.runtime.attempt import Attempt, Candidate, Effort
 from gaitflow.runtime.plan import Asked, refine_ranked
-from gaitflow.runtime.rivals import FEW_AXES, UNLIKELY
+from gaitflow.runtime.rivals import EVEN, FEW_AXES, LIKELY, LIKELY_FEW, LIKELY_WIDE, UNLIKELY
 
 TASK, VALUES = task_of(0.9, 0.6), {"speed": 0.9, "cycle_duration": 0.6}
 
@@ -196,7 +196,7 @@ def test_what_may_save_half_is_looked_at_first_and_harder(gait_map: GaitMap) -> 
         (2, (2.4, 12.6), "walking", [FAST_0]),
         (2, (2.6, 12.4), "walking", [FAST_0]),
         (2, (np.inf, 12.4), "walking", [FAST_0]),
-        # Over many axes predictions are seldom right, and likely gaits are looked at in any case.
+        # Over many axes predictions are seldom right.
         (4, (2.4, 12.4), "walking", [FAST_0]),
     ],
 )
@@ -228,20 +228,23 @@ def test_of_gaits_that_are_not_tried_a_cheaper_one_is_looked_at(
 
 
 @pytest.mark.parametrize(
-    ("axes", "gallop", "costs", "gait", "calls"),
+    ("axes", "chance", "gallop", "costs", "gait", "calls"),
     [
-        (FEW_AXES, Candidate(1, 2), (10.0, 9.9, 9.8), "walking", [FAST_0]),
         # Of a likely gait one pattern is looked at, and the plan's own gait is one.
-        (FEW_AXES + 1, Candidate(1, 2), (10.0, 9.9, 9.8), "gallop", [FAST_0, ("look", 2)]),
-        (FEW_AXES + 1, Candidate(1, 2), (10.0, 9.9, 10.1), "walking", [FAST_0, ("look", 2)]),
-        (FEW_AXES + 1, Candidate(1, None), (10.0, 9.8, 9.8), "walking", [FAST_0]),
+        (FEW_AXES, LIKELY_FEW, Candidate(1, 2), (10.0, 9.9, 9.8), "gallop", [FAST_0, ("fast", 2)]),
+        (FEW_AXES, 0.99 * LIKELY_FEW, Candidate(1, 2), (10.0, 9.9, 9.8), "walking", [FAST_0]),
+        (FEW_AXES + 1, LIKELY, Candidate(1, 2), (10.0, 9.9, 9.8), "gallop", [FAST_0, ("look", 2)]),
+        (FEW_AXES + 1, LIKELY, Candidate(1, 2), (10.0, 9.9, 10.1), "walking", [FAST_0, ("look", 2)]),
+        (FEW_AXES + 1, EVEN, Candidate(1, 2), (10.0, 9.9, 9.8), "gallop", [FAST_0, ("fast", 2)]),
+        (FEW_AXES + 1, EVEN, Candidate(1, None), (10.0, 9.8, 9.8), "walking", [FAST_0]),
+        (NEAR_AXES + 1, LIKELY_WIDE, Candidate(1, 2), (10.0, 9.9, 9.8), "gallop", [FAST_0, ("look", 2)]),
     ],
 )
-def test_over_more_than_a_few_axes_likely_gaits_are_looked_at_in_any_case(
-    gait_map: GaitMap, axes: int, gallop: Candidate, costs: tuple, gait: str, calls: list[tuple[str, int]]
+def test_likely_gaits_are_looked_at_in_any_case_and_the_likeliest_as_hard_as_the_first(
+    gait_map: GaitMap, axes: int, chance: float, gallop: Candidate, costs: tuple, gait: str, calls: list
 ) -> None:
     first, second = gait_map.gaits
-    ranked = [(Candidate(0, 0), first, 0.2), (Candidate(0, 1), first, 0.2), (gallop, second, 0.8)]
+    ranked = [(Candidate(0, 0), first, 1 - chance), (Candidate(0, 1), first, 1 - chance), (gallop, second, chance)]
     scripted = Scripted(gait_map, [SOLVED] * 3, [LOST] * 3, (10.0, np.inf, np.inf), costs, axes)
     plan = refine_ranked(scripted, ranked, Asked(TASK, VALUES, True, 0.0, 0.0))
     assert plan.gait == gait and scripted.calls == calls
@@ -253,7 +256,7 @@ def test_over_more_than_a_few_axes_likely_gaits_are_looked_at_in_any_case(
         (FEW_AXES, UNLIKELY / 2, 0.5, [FAST_0, ("look", 2), ("look", 1)]),
         (FEW_AXES + 1, UNLIKELY, 0.5, [FAST_0, ("look", 2), ("look", 1)]),
         (FEW_AXES + 1, UNLIKELY / 2, 0.5, [FAST_0, ("look", 1)]),
-        (FEW_AXES + 1, 0.5, UNLIKELY / 2, [FAST_0, ("look", 2), ("look", 1)]),  # what comes first is spared by none
+        (FEW_AXES + 1, 0.4, UNLIKELY / 2, [FAST_0, ("look", 2), ("look", 1)]),  # what comes first is spared by none
         (NEAR_AXES + 1, UNLIKELY / 2, 0.5, [FAST_0, ("look", 1)]),
     ],
 )

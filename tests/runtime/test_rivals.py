@@ -7,15 +7,16 @@ import pytest
 from gaitflow.runtime.atlas import NEAR_AXES, Atlas
 from gaitflow.runtime.attempt import Effort
 from gaitflow.runtime.rivals import (
+    EVEN,
     FEW_AXES,
     GREAT_SAVING,
     LEAST_SAVING,
     LIKELY,
+    LIKELY_FEW,
     LIKELY_WIDE,
     SURPRISE,
     SURPRISED,
     UNLIKELY,
-    asks_classifier,
     effort_for,
     likely,
     tried_below,
@@ -29,11 +30,18 @@ def over(axes: int) -> Atlas:
 
 @pytest.mark.parametrize(
     ("axes", "sure", "spared"),
-    [(FEW_AXES, set(), set()), (FEW_AXES + 1, {0, 5}, {4}), (NEAR_AXES + 1, {0, 5, 2, 3}, {4})],
+    [(FEW_AXES, {0}, set()), (FEW_AXES + 1, {0, 5}, {4}), (NEAR_AXES + 1, {0, 5, 2, 3}, {4})],
 )
 def test_gaits_by_their_probability(axes: int, sure: set[int], spared: set[int]) -> None:
-    assert asks_classifier(axes) is bool(spared)
-    chances = {4: UNLIKELY / 2, 2: LIKELY_WIDE, 0: 0.8, 1: UNLIKELY, 3: LIKELY / 2, 5: LIKELY, 6: LIKELY_WIDE / 2}
+    chances = {
+        0: LIKELY_FEW,
+        5: LIKELY,
+        3: LIKELY / 2,
+        2: LIKELY_WIDE,
+        6: LIKELY_WIDE / 2,
+        1: UNLIKELY,
+        4: UNLIKELY / 2,
+    }
     assert (likely(over(axes), chances), unlikely(over(axes), chances)) == (sure, spared)
 
 
@@ -52,3 +60,9 @@ def test_where_a_cost_surprises_somewhat_dearer_gaits_are_tried(axes: int, cost:
 def test_what_may_save_much_is_tried_harder() -> None:
     assert effort_for(10 * (1 - GREAT_SAVING), 10.0) is Effort.RIVAL
     assert effort_for(9.9 * (1 - GREAT_SAVING), 10.0) is Effort.PROMISING
+
+
+@pytest.mark.parametrize("least", [9.0, 0.1, 99.0])
+def test_what_is_as_likely_the_best_as_not_is_tried_as_hard_as_the_first(least: float) -> None:
+    assert effort_for(least, 10.0, EVEN) is Effort.FIRST
+    assert effort_for(least, 10.0, 0.99 * EVEN) is effort_for(least, 10.0)

@@ -14,13 +14,14 @@ from gaitflow.atlas.plan_solver import PlanSolver, Try
 from gaitflow.runtime import GaitMap
 from gaitflow.runtime.atlas import Atlas
 from gaitflow.runtime.refine import FIRST_STARTS, LIMIT, RIVAL_LIMIT, RIVAL_STARTS
-from gaitflow.runtime.rivals import FEW_AXES, UNLIKELY
+from gaitflow.runtime.rivals import FEW_AXES, LIKELY_FEW, UNLIKELY
 from gaitflow.sampling.planning import AT_ONCE, Planned, solves, together
 from tests.helpers.sheets import LAYOUT, sheet
 
 STEPS = np.array([1.0, 1.0])
 GRID = np.array([[float(x), float(y)] for x in range(4) for y in range(4)])
 AMID, BEYOND = (1.5, 1.5), (3.6, 1.5)
+UNSURE = [0.25] * 4  # probabilities of gaits, over few axes of none that is tried for it
 
 
 def sheet_of(gait: int, cost: float, places: np.ndarray = GRID) -> object:
@@ -52,7 +53,7 @@ def planned(
     made: Atlas,
     place: tuple[float, ...],
     costs: Mapping[int, float],
-    chances: Sequence[float] | None = None,
+    chances: Sequence[float] = UNSURE,
 ) -> tuple[Planned | None, list[int]]:
     """The plan, and the patterns that were solved in their order."""
     solver = Solver(costs)
@@ -94,6 +95,21 @@ def test_over_many_axes_likely_gaits_are_solved_first_and_in_any_case_and_unlike
 
 
 @pytest.mark.parametrize(
+    ("chance", "costs", "plan", "solved"),
+    [
+        (LIKELY_FEW, {0: 1.0, 1: 0.9}, Planned(1, 0.9), [0, 1]),
+        (LIKELY_FEW, {0: 1.0}, Planned(0, 1.0), [0] + [1] * FIRST_STARTS),
+        (0.99 * LIKELY_FEW, {0: 1.0, 1: 0.9}, Planned(0, 1.0), [0]),
+    ],
+)
+def test_a_gait_that_is_as_likely_the_best_as_not_is_solved_as_hard_as_the_first(
+    chance: float, costs: dict[int, float], plan: Planned, solved: list[int]
+) -> None:
+    made = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2))
+    assert planned(made, AMID, costs, [1 - chance, chance]) == (plan, solved)
+
+
+@pytest.mark.parametrize(
     ("axes", "plan", "solved"), [(FEW_AXES, Planned(1, 1.2), [0, 1]), (FEW_AXES + 1, Planned(0, 1.5), [0])]
 )
 def test_over_more_than_a_few_axes_unlikely_rivals_are_not_solved(axes: int, plan: Planned, solved: list[int]) -> None:
@@ -123,7 +139,8 @@ def test_where_no_gait_is_known_nothing_is_solved() -> None:
 
 def test_tasks_are_solved_side_by_side() -> None:
     made, solver = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2)), Solver({1: 1.2})
-    asked, told = [solves(made, place, [0, 1], nominal) for place in (AMID, (9.0, 9.0), (0.5, 0.5))], list[int]()
+    asked = [solves(made, place, [0, 1], nominal, UNSURE) for place in (AMID, (9.0, 9.0), (0.5, 0.5))]
+    told = list[int]()
     plans = together(asked, solver, told.append)
     assert told == [1] * (FIRST_STARTS + 1) + [3], "how many have ended"
     assert plans == [Planned(1, 1.2), None, Planned(1, 1.2)]
@@ -132,7 +149,7 @@ def test_tasks_are_solved_side_by_side() -> None:
 
 def test_of_many_tasks_only_some_are_at_work_so_that_progress_moves() -> None:
     made, solver, told = atlas(sheet_of(0, 1.0)), Solver({0: 1.0}), list[int]()
-    asked = [solves(made, AMID, [0], nominal) for _ in range(2 * AT_ONCE + 3)]
+    asked = [solves(made, AMID, [0], nominal, UNSURE) for _ in range(2 * AT_ONCE + 3)]
     assert together(asked, solver, told.append) == [Planned(0, 1.0)] * len(asked)
     assert [len(batch) for batch in solver.batches] == [AT_ONCE, AT_ONCE, 3]
     assert sorted(set(told)) == [0, AT_ONCE, 2 * AT_ONCE, len(asked)], "how many have ended"
@@ -141,13 +158,13 @@ def test_of_many_tasks_only_some_are_at_work_so_that_progress_moves() -> None:
 @pytest.mark.parametrize(("cost", "limit"), [(1.5, RIVAL_LIMIT), (3.0, LIMIT)])
 def test_what_may_save_a_little_gets_fewer_iterations(cost: float, limit: int) -> None:
     made, solver = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2)), Solver({0: cost, 1: 1.2})
-    together([solves(made, AMID, [0, 1], nominal)], solver)
+    together([solves(made, AMID, [0, 1], nominal, UNSURE)], solver)
     assert (solver.batches, solver.limits) == ([[0], [1]], [LIMIT, limit])
 
 
 def test_a_rival_has_a_second_start() -> None:
     made, solver = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2)), Solver({0: 1.5})
-    assert together([solves(made, AMID, [0, 1], nominal)], solver) == [Planned(0, 1.5)]
+    assert together([solves(made, AMID, [0, 1], nominal, UNSURE)], solver) == [Planned(0, 1.5)]
     assert (solver.batches, solver.limits) == ([[0], *[[1]] * RIVAL_STARTS], [LIMIT, *[RIVAL_LIMIT] * RIVAL_STARTS])
 
 
@@ -163,7 +180,7 @@ def test_where_a_cost_is_far_above_what_it_might_have_been_dearer_rivals_are_sol
 @pytest.mark.parametrize("number", [0, 3])
 def test_as_many_plans_as_tasks(number: int) -> None:
     made = atlas(sheet_of(0, 1.0))
-    assert len(together([solves(made, AMID, [0], nominal) for _ in range(number)], Solver({0: 1.0}))) == number
+    assert len(together([solves(made, AMID, [0], nominal, UNSURE) for _ in range(number)], Solver({0: 1.0}))) == number
 
 
 def test_plans_are_those_of_the_published_map(pristine: Path) -> None:
@@ -173,9 +190,13 @@ def test_plans_are_those_of_the_published_map(pristine: Path) -> None:
     places = [
         tuple(rng.uniform([axis[0] for axis in grown.grid], [axis[-1] for axis in grown.grid])) for _ in range(12)
     ]
-    plans = together([solves(tiny_atlas(), place, [0, 1], nominal) for place in places], solver.costs_from)
-    for place, plan in zip(places, plans, strict=True):
-        published = gait_map.plan(**dict(zip(gait_map.axes, place, strict=True)), beyond=True)
+    values = [dict(zip(gait_map.axes, place, strict=True)) for place in places]
+    said = [dict(gait_map.select(**each, beyond=True).ranked) for each in values]
+    chances = [[each[gait.name] for gait in gait_map.gaits] for each in said]
+    asked = [solves(tiny_atlas(), each, [0, 1], nominal, of) for each, of in zip(places, chances, strict=True)]
+    plans = together(asked, solver.costs_from)
+    for each, plan in zip(values, plans, strict=True):
+        published = gait_map.plan(**each, beyond=True)
         assert plan is not None and published.feasible and published.path != "fallback"
         assert gait_map.gaits[plan.gait].name == published.gait
         assert plan.cost * grown.problem.cost_scale == pytest.approx(published.cost, rel=1e-9)

@@ -97,7 +97,7 @@ def tasks(making: Making, number: int) -> tuple[Task, ...]:
 
 def begun(making: Making, known: Sequence[Task] = ()) -> Steps:
     """Steps of a map whose start was searched, or that was begun from known tasks and the start."""
-    after = Steps(making, 0, Plans)  # type: ignore[arg-type]
+    after = Steps(making, 0, Plans, "same")  # type: ignore[arg-type]
     if known:
         after.done(Round("known", tuple(known)))
     if after.next_kind(1000) == "start":
@@ -175,7 +175,7 @@ def test_small_rounds_that_are_never_quiet_are_not_repeated_for_ever(making: Mak
 
 
 def test_earlier_askings_count(making: Making) -> None:
-    after = Steps(making, 0, Plans)  # type: ignore[arg-type]
+    after = Steps(making, 0, Plans, "same")  # type: ignore[arg-type]
     after.done(Round("known", tasks(making, 200), askings=3))
     after.done(Round("start", tuple(tasks_of(making.scenario))))
     assert after.next_kind(1000) == "certificate"
@@ -266,7 +266,7 @@ def test_a_map_begun_from_many_searches_is_tested_at_once(making: Making) -> Non
 def test_a_map_is_not_tested_before_its_start_is_searched(making: Making, monkeypatch: pytest.MonkeyPatch) -> None:
     lacking = [Suspect(tasks(making, 1)[0], frozenset({0}), infeasible=True)]
     monkeypatch.setattr(steps, "rehearse", lambda *_: lacking)
-    after = Steps(making, 0, Plans)  # type: ignore[arg-type]
+    after = Steps(making, 0, Plans, "same")  # type: ignore[arg-type]
     after.done(Round("known", tasks(making, 100)))
     assert after.next_kind(1000) == "start"
     after.begin("start")

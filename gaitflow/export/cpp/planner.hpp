@@ -99,17 +99,19 @@ class Planner {
   // Over few axes, where the first motion costs over `surprise` times what it might have at the least: the share of the
   // least cost so far below which another one has to be for being tried.
   static constexpr double surprise = 4.0, surprised = 1.25;
-  // Over more than a few axes: probabilities from which on a gait is tried whatever it may cost, the second over
-  // many, and below which only if it is first.
-  static constexpr double likely = 0.2, likely_wide = 0.02, unlikely = 3e-4;
+  // The probability from which on a gait is tried whatever it may cost: over few axes, over more, and over many.
+  static constexpr double likely_few = 0.5, likely = 0.2, likely_wide = 0.02;
+  // From which on such a gait is tried as hard as the first one.
+  static constexpr double even = 0.5;
+  // Below which, over more than a few axes, it is tried only if it is first.
+  static constexpr double unlikely = 3e-4;
   static constexpr std::size_t few_axes = 2;
 
-  // The first candidate that the atlas knows of each likely gait; of none over few axes.
+  // The first candidate that the atlas knows of each likely gait.
   static std::vector<const Candidate*> firsts_of_likely(const std::vector<Candidate>& candidates, const Indices& gaits,
                                                         const std::vector<float>& probabilities, std::size_t axes) {
     std::vector<const Candidate*> firsts;
-    if (axes <= few_axes) return firsts;
-    const double least = axes > AtlasView::near_axes ? likely_wide : likely;
+    const double least = axes > AtlasView::near_axes ? likely_wide : axes <= few_axes ? likely_few : likely;
     for (const std::size_t gait : gaits) {
       if (!(static_cast<double>(probabilities[gait]) >= least)) continue;
       const auto known = [&](const Candidate& each) { return each.gait == gait && each.sheet; };
@@ -148,7 +150,9 @@ class Planner {
     for (const auto& [least, rival] : rivals) {
       const bool is_sure = std::find(sure.begin(), sure.end(), rival) != sure.end();
       if (!is_sure && !(least < cost * share)) continue;
-      done.push_back(refiner_.fast(*rival, place, least < cost * (1 - great_saving) ? Effort::promising : Effort::rival));
+      const bool is_even = is_sure && static_cast<double>(probabilities[rival->gait]) >= even;
+      const Effort effort = least < cost * (1 - great_saving) ? Effort::promising : Effort::rival;
+      done.push_back(refiner_.fast(*rival, place, is_even ? Effort::first : effort));
       if (done.back().refined()) cost = std::min(cost, done.back().cost);
     }
     return done;
