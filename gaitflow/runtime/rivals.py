@@ -18,7 +18,7 @@ LIKELY_FEW, LIKELY, LIKELY_WIDE = 0.5, 0.2, 0.02  # up to FEW_AXES axes, up to N
 # Over more than FEW_AXES axes one that hardly is the best is tried only if it comes first. Over slopes that spares half
 # of all tries.
 UNLIKELY, FEW_AXES = 3e-4, 2
-EVEN = 0.5  # probability from which on a likely gait is tried as hard as one that may save GREAT_SAVING
+EVEN = 0.5  # probability from which on a likely gait is tried as hard as the first one
 
 
 def likely(atlas: Atlas, chances: Mapping[int, float]) -> set[int]:
@@ -45,7 +45,9 @@ def effort_for(least: float, cost: float, chance: float = 0.0) -> Effort:
 
     `chance` is the probability that it is the best, of one that is tried for it.
     """
-    return Effort.PROMISING if chance >= EVEN or least < cost * (1 - GREAT_SAVING) else Effort.RIVAL
+    if chance >= EVEN:
+        return Effort.FIRST
+    return Effort.PROMISING if least < cost * (1 - GREAT_SAVING) else Effort.RIVAL
 
 
 def _is_over_few_axes(atlas: Atlas) -> bool:

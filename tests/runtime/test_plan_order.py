@@ -231,16 +231,16 @@ def test_of_gaits_that_are_not_tried_a_cheaper_one_is_looked_at(
     ("axes", "chance", "gallop", "costs", "gait", "calls"),
     [
         # Of a likely gait one pattern is looked at, and the plan's own gait is one.
-        (FEW_AXES, LIKELY_FEW, Candidate(1, 2), (10.0, 9.9, 9.8), "gallop", [FAST_0, ("look hard", 2)]),
+        (FEW_AXES, LIKELY_FEW, Candidate(1, 2), (10.0, 9.9, 9.8), "gallop", [FAST_0, ("fast", 2)]),
         (FEW_AXES, 0.99 * LIKELY_FEW, Candidate(1, 2), (10.0, 9.9, 9.8), "walking", [FAST_0]),
         (FEW_AXES + 1, LIKELY, Candidate(1, 2), (10.0, 9.9, 9.8), "gallop", [FAST_0, ("look", 2)]),
         (FEW_AXES + 1, LIKELY, Candidate(1, 2), (10.0, 9.9, 10.1), "walking", [FAST_0, ("look", 2)]),
-        (FEW_AXES + 1, EVEN, Candidate(1, 2), (10.0, 9.9, 9.8), "gallop", [FAST_0, ("look hard", 2)]),
+        (FEW_AXES + 1, EVEN, Candidate(1, 2), (10.0, 9.9, 9.8), "gallop", [FAST_0, ("fast", 2)]),
         (FEW_AXES + 1, EVEN, Candidate(1, None), (10.0, 9.8, 9.8), "walking", [FAST_0]),
         (NEAR_AXES + 1, LIKELY_WIDE, Candidate(1, 2), (10.0, 9.9, 9.8), "gallop", [FAST_0, ("look", 2)]),
     ],
 )
-def test_likely_gaits_are_looked_at_in_any_case_and_the_likeliest_harder(
+def test_likely_gaits_are_looked_at_in_any_case_and_the_likeliest_as_hard_as_the_first(
     gait_map: GaitMap, axes: int, chance: float, gallop: Candidate, costs: tuple, gait: str, calls: list
 ) -> None:
     first, second = gait_map.gaits

@@ -62,6 +62,7 @@ def test_what_may_save_much_is_tried_harder() -> None:
     assert effort_for(9.9 * (1 - GREAT_SAVING), 10.0) is Effort.PROMISING
 
 
-def test_what_is_as_likely_the_best_as_not_is_tried_harder() -> None:
-    assert effort_for(99.0, 10.0, EVEN) is Effort.PROMISING
-    assert effort_for(99.0, 10.0, 0.99 * EVEN) is Effort.RIVAL
+@pytest.mark.parametrize("least", [9.0, 0.1, 99.0])
+def test_what_is_as_likely_the_best_as_not_is_tried_as_hard_as_the_first(least: float) -> None:
+    assert effort_for(least, 10.0, EVEN) is Effort.FIRST
+    assert effort_for(least, 10.0, 0.99 * EVEN) is effort_for(least, 10.0)

@@ -13,7 +13,7 @@ from tiny_map import tiny_atlas, tiny_growth
 from gaitflow.atlas.plan_solver import PlanSolver, Try
 from gaitflow.runtime import GaitMap
 from gaitflow.runtime.atlas import Atlas
-from gaitflow.runtime.refine import FIRST_STARTS, LIMIT, PROMISING_STARTS, RIVAL_LIMIT, RIVAL_STARTS
+from gaitflow.runtime.refine import FIRST_STARTS, LIMIT, RIVAL_LIMIT, RIVAL_STARTS
 from gaitflow.runtime.rivals import FEW_AXES, LIKELY_FEW, UNLIKELY
 from gaitflow.sampling.planning import AT_ONCE, Planned, solves, together
 from tests.helpers.sheets import LAYOUT, sheet
@@ -98,11 +98,11 @@ def test_over_many_axes_likely_gaits_are_solved_first_and_in_any_case_and_unlike
     ("chance", "costs", "plan", "solved"),
     [
         (LIKELY_FEW, {0: 1.0, 1: 0.9}, Planned(1, 0.9), [0, 1]),
-        (LIKELY_FEW, {0: 1.0}, Planned(0, 1.0), [0] + [1] * PROMISING_STARTS),
+        (LIKELY_FEW, {0: 1.0}, Planned(0, 1.0), [0] + [1] * FIRST_STARTS),
         (0.99 * LIKELY_FEW, {0: 1.0, 1: 0.9}, Planned(0, 1.0), [0]),
     ],
 )
-def test_a_gait_that_is_as_likely_the_best_as_not_is_solved_in_any_case(
+def test_a_gait_that_is_as_likely_the_best_as_not_is_solved_as_hard_as_the_first(
     chance: float, costs: dict[int, float], plan: Planned, solved: list[int]
 ) -> None:
     made = atlas(sheet_of(0, 1.0), sheet_of(1, 1.2))

@@ -101,7 +101,7 @@ class Planner {
   static constexpr double surprise = 4.0, surprised = 1.25;
   // The probability from which on a gait is tried whatever it may cost: over few axes, over more, and over many.
   static constexpr double likely_few = 0.5, likely = 0.2, likely_wide = 0.02;
-  // From which on such a gait is tried as hard as one that may save `great_saving`.
+  // From which on such a gait is tried as hard as the first one.
   static constexpr double even = 0.5;
   // Below which, over more than a few axes, it is tried only if it is first.
   static constexpr double unlikely = 3e-4;
@@ -151,8 +151,8 @@ class Planner {
       const bool is_sure = std::find(sure.begin(), sure.end(), rival) != sure.end();
       if (!is_sure && !(least < cost * share)) continue;
       const bool is_even = is_sure && static_cast<double>(probabilities[rival->gait]) >= even;
-      const bool is_promising = is_even || least < cost * (1 - great_saving);
-      done.push_back(refiner_.fast(*rival, place, is_promising ? Effort::promising : Effort::rival));
+      const Effort effort = least < cost * (1 - great_saving) ? Effort::promising : Effort::rival;
+      done.push_back(refiner_.fast(*rival, place, is_even ? Effort::first : effort));
       if (done.back().refined()) cost = std::min(cost, done.back().cost);
     }
     return done;
