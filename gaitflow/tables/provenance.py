@@ -102,7 +102,7 @@ def made_by() -> dict[str, Any]:
         "packages": {name: found for name in PACKAGES if (found := _version(name))},
         "python": platform.python_version(),
         "system": f"{platform.system()} {platform.machine()}",
-        "cpu": _cpu_model(),
+        "cpu": _processor(),
     }
 
 
@@ -124,13 +124,23 @@ def _git(folder: Path, *arguments: str) -> str | None:
     return done.stdout.strip()
 
 
-def _cpu_model() -> str:
+def _processor() -> str:
     try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+        cpuinfo = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
     except OSError:
-        lines = []
-    models = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
-    return next(models, "") or platform.processor() or platform.machine()
+        cpuinfo = ""
+    return processor_name(cpuinfo) or platform.processor() or platform.machine()
+
+
+def processor_name(cpuinfo: str) -> str:
+    """The model of the first processor in the text of /proc/cpuinfo, as `AMD EPYC (family 25, model 1)`; "" if unsaid.
+
+    In a virtual machine the name alone is often that of several generations, one of which takes half the other's time.
+    """
+    first = cpuinfo.strip().partition("\n\n")[0]
+    fields = {key.strip(): value.strip() for key, _, value in (line.partition(":") for line in first.splitlines())}
+    name, numbers = fields.get("model name", ""), [fields.get(key) for key in ("cpu family", "model")]
+    return f"{name} (family {numbers[0]}, model {numbers[1]})" if name and all(numbers) else name
 
 
 def _version(package: str) -> str | None:
