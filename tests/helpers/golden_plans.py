@@ -6,12 +6,14 @@ Run as a script it records versions that are new; without the file, all of them.
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from gaitflow.runtime import GaitMap
+from gaitflow.runtime import GaitMap, Plan
 from gaitflow.runtime.manifest import FORMAT
 from gaitflow.runtime.manifest_file import read_manifest
 from gaitflow.runtime.versions import resolve
@@ -21,6 +23,8 @@ GOLDEN = Path(__file__).parents[1] / "data" / "golden_plans.json"
 EASY, HARD = 4, 4  # plans a map: the first ones drawn, and those of the most iterations
 MOST = 250  # iterations: more take a test too long, or are IPOPT's
 DRAWN, DRAWN_WIDE = 200, 24  # on up to three axes and on more, where a plan takes seconds
+SPREAD = 1  # iterations by which another machine's rounding may differ
+NUDGE = 1e-9  # of a task's values: more than another processor's rounding, less than a robot can tell
 LOCAL = "quickstart"  # what `make run` publishes in a checkout, and git ignores
 
 
@@ -46,13 +50,28 @@ def drawn(gait_map: GaitMap, count: int, seed: int = 0) -> list[dict[str, float]
     return tasks
 
 
+def steady(gait_map: GaitMap, plans: Iterable[Plan], count: int) -> list[Plan]:
+    """The first `count` plans that take the same iterations at tasks a NUDGE away.
+
+    Where the matrix is nearly singular, rounding decides how many a plan takes, and so does the processor.
+    """
+
+    def is_steady(plan: Plan) -> bool:
+        nudged = [{axis: value * (1 + by) for axis, value in plan.task.items()} for by in (-NUDGE, NUDGE)]
+        return all(abs(gait_map.plan(**task).iterations - plan.iterations) <= SPREAD for task in nudged)
+
+    return list(islice(filter(is_steady, plans), count))
+
+
 def record(folder: Path) -> dict[str, Any]:
     """Plans of one map."""
     gait_map = GaitMap.load(folder)
     tasks = drawn(gait_map, DRAWN_WIDE if len(gait_map.axes) > 3 else DRAWN)
     plans = [gait_map.plan(**task) for task in tasks]
-    bearable = [plan for plan in plans[EASY:] if plan.iterations <= MOST]
-    hard = sorted(bearable, key=lambda plan: plan.iterations)[-HARD:]
+    easy = steady(gait_map, plans, EASY)
+    taken = [plan.task for plan in easy]
+    bearable = [plan for plan in plans if plan.iterations <= MOST and plan.task not in taken]
+    hard = steady(gait_map, sorted(bearable, key=lambda plan: -plan.iterations), HARD)
     rows = [
         {
             "task": {axis: plan.task[axis] for axis in gait_map.axes},
@@ -61,7 +80,7 @@ def record(folder: Path) -> dict[str, Any]:
             "cost": plan.cost,
             "iterations": plan.iterations,
         }
-        for plan in [*plans[:EASY], *hard]
+        for plan in [*easy, *reversed(hard)]
     ]
     return {"version": folder.name, "plans": rows}
 

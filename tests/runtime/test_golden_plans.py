@@ -6,11 +6,10 @@
 from __future__ import annotations
 
 import pytest
-from golden_plans import GOLDEN, golden, published
+from golden_plans import GOLDEN, SPREAD, golden, published
 
 from gaitflow.runtime import GaitMap
 
-SPREAD = 1  # iterations by which another machine's rounding may differ
 PLANS = golden()
 
 
