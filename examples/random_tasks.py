@@ -5,6 +5,7 @@ BUILD is the folder of the map's compiled export, with which plans take a fracti
 
 import sys
 from collections.abc import Iterator
+from itertools import islice
 from statistics import fmean, median
 from typing import Any
 
@@ -26,10 +27,10 @@ def random_tasks(gait_map: GaitMap) -> Iterator[dict[str, Any]]:
 
 
 def main(folder: str, count: str = "1000", build: str | None = None) -> None:
-    """Print how many plans have a motion, which path they took and what they cost in time."""
+    """Print how many plans have a motion, which path they took, and how long they took."""
     gait_map = GaitMap.load(folder, compiled=build)
     plans = []
-    for task, _ in zip(random_tasks(gait_map), range(int(count)), strict=False):
+    for task in islice(random_tasks(gait_map), int(count)):
         plans.append(gait_map.plan(**task))
         if len(plans) % 100 == 0:
             print(f"planned {len(plans)} of {count}", file=sys.stderr)
