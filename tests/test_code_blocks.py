@@ -67,6 +67,7 @@ OTHER_PROGRAMS = {
     ".venv/bin/python": "builds a wheel, as CI does",
     "cmake": "the test of C++ runs it",
     "echo": "the test of C++ runs it",
+    "python": "tests/examples run it",
     "build/loop": "the test of C++ runs it",
 }
 
