@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any, overload
 
 import pandas as pd
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from gaitflow.config.file import require_mapping
 from gaitflow.core.legacy import modern_scenario
@@ -120,6 +121,14 @@ class Solutions(Sequence[StoredSolution]):
     def frame(self) -> pd.DataFrame:
         """The scalar columns as pandas: task, pattern, gait, status, cost, violation, effort; one row a solution."""
         return self.table.select(scalar_columns(self.table.column_names)).to_pandas()
+
+    def solved(self, patterns: Iterable[str]) -> Solutions:
+        """Those rows that were solved with one of these patterns, as a table of their own: none of them is read."""
+        table = self.table
+        wanted = pc.and_(
+            pc.equal(table["status"], "solved"), pc.is_in(table["pattern"], pa.array(patterns, pa.string()))
+        )
+        return Solutions(table.filter(wanted), self.record)
 
     def tasks(self) -> list[Task]:
         """Every task that has a row, in their order."""

@@ -11,6 +11,7 @@ import pandas as pd
 
 from gaitflow.core.task_space import TaskSpace
 from gaitflow.core.trajectory import Array, Trajectory
+from gaitflow.dataset.read import Solutions
 from gaitflow.report.palette import ordered_gaits
 from gaitflow.search.solution import Solution
 
@@ -37,13 +38,15 @@ def winning_motions(labels: pd.DataFrame, solutions: Iterable[Solution], space: 
     A solution belongs to a label when task, split and pattern agree; of several the cheapest.
     """
     axes = space.columns
+    solved = labels[labels["status"] == "solved"]
+    if isinstance(solutions, Solutions):  # of a large dataset only a tenth or less has a pattern that wins
+        solutions = solutions.solved(set(solved["pattern"]))
     best: dict[Key, Solution] = {}
     for solution in solutions:
         key = _key({axis: solution.task[axis] for axis in axes}, axes, solution.task.split, solution.pattern)
         usable = solution.status == "solved" and solution.trajectory is not None
         if usable and (key not in best or solution.cost < best[key].cost):
             best[key] = solution
-    solved = labels[labels["status"] == "solved"]
     keys = [_key(row, axes, row["split"], row["pattern"]) for row in solved.to_dict("records")]
     return {row: best[key] for row, key in zip(solved.index, keys, strict=True) if key in best}
 

@@ -75,6 +75,19 @@ def test_it_is_a_sequence(dataset: Path) -> None:
         solutions[len(rows)]
 
 
+def test_rows_that_were_solved_with_some_patterns(dataset: Path) -> None:
+    solutions = load_solutions(dataset)
+    patterns = {row.pattern for row in solutions if row.status == "solved"}
+    assert len(patterns) > 1
+    wanted = sorted(patterns)[:1]
+    found = solutions.solved(wanted)
+    assert [(row.task, row.pattern, row.cost) for row in found] == [
+        (row.task, row.pattern, row.cost) for row in solutions if row.status == "solved" and row.pattern in wanted
+    ]
+    assert len(solutions.solved([])) == len(solutions.solved({"1111/1111"} - patterns)) == 0
+    assert found.record == solutions.record
+
+
 def test_frame_has_the_scalars(dataset: Path) -> None:
     frame = load_solutions(dataset).frame()
     assert isinstance(frame, pd.DataFrame)

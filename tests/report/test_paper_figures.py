@@ -37,7 +37,6 @@ def test_what_is_not_published_is_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(400)
 def test_every_figure_is_drawn_twice(tmp_path: Path) -> None:
     written = [path.name for path in write_paper_figures(tmp_path, CHECKOUT / "datasets", CHECKOUT / "models")]
     figures = ("4a", "4b", "4c", "5", "6", "7", "8", "9-1", "9-2", "9-3", "9-4", "10")

@@ -2,10 +2,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from gaitflow.dataset import load_solutions
+from gaitflow.dataset.labels_file import read_labels
+from gaitflow.report.stored import scenario_of
 from gaitflow.report.winners import by_size, central, mean_phase_fractions, most_common_pattern, trajectory_of, winners
 
 
@@ -23,6 +27,19 @@ def test_gaits_by_size_count_the_tasks_they_win(labels) -> None:
     assert [counts.get(name, 0) for name in found] == [*sorted(counts, reverse=True), 0]
     assert found[0] == "gallop" and found[-1] == "gallop-pronk"
     assert by_size(labels[labels["status"] != "solved"]) == ()
+
+
+def test_a_stored_dataset_has_the_same_winners_as_its_rows() -> None:
+    folder = Path(__file__).parents[2] / "datasets/half-cheetah-flat-effort/1.0.0"
+    solutions, labels = load_solutions(folder), read_labels(folder).to_pandas()
+    space = scenario_of(solutions).tasks.space
+    stored, rows = winners(labels, solutions, space), winners(labels, list(solutions), space)
+    assert {name: [motion.task for motion in region] for name, region in stored.items()} == {
+        name: [motion.task for motion in region] for name, region in rows.items()
+    }
+    pairs = [pair for name in rows for pair in zip(stored[name], rows[name], strict=True)]
+    assert pairs and all(one.pattern == other.pattern and one.cost == other.cost for one, other in pairs)
+    np.testing.assert_array_equal(pairs[0][0].base, pairs[0][1].base)
 
 
 def test_of_two_solves_of_one_pattern_the_cheaper_is_taken(labels, solutions, space) -> None:
