@@ -16,7 +16,8 @@ from matplotlib.typing import MarkerType
 
 from gaitflow.config.axes import Tasks
 from gaitflow.report import axis_text
-from gaitflow.report.map_panel import INK, Panel, Select, draw_regions, draw_tasks
+from gaitflow.report.decisions import Select
+from gaitflow.report.map_panel import INK, Panel, draw_regions, draw_tasks
 from gaitflow.report.map_tasks import map_task_words, of_map
 from gaitflow.report.palette import gait_colours, kind_and_contacts
 from gaitflow.report.slices import Slices, slices_of

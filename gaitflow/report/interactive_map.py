@@ -13,8 +13,8 @@ from gaitflow.config.scenario import Scenario
 from gaitflow.core.task_space import TaskSpace
 from gaitflow.report import axis_text
 from gaitflow.report.animation import motion_data, robot_data
+from gaitflow.report.decisions import Select
 from gaitflow.report.gait_map import map_colours
-from gaitflow.report.map_panel import Select
 from gaitflow.report.map_tasks import map_task_words, of_map
 from gaitflow.report.palette import lighter
 from gaitflow.report.region_paths import region_paths

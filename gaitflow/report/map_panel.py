@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,13 +14,11 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from gaitflow.report.decisions import Floats, Select, decisions
 from gaitflow.report.map_tasks import of_map
 from gaitflow.report.palette import lighter
 
-Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-# Values [n] by axis, one array for each axis with a range -> index [n] of the chosen gait, -1 outside the domain.
-Select = Callable[[Mapping[str, Floats]], NDArray[np.integer[Any]]]
 
 TEXT_HEIGHT, TEXT_WIDTH = 0.05, 0.016  # of a name inside its region, a letter: share of the axes
 INK = "#222222"
@@ -62,16 +60,8 @@ def draw_regions(
     """
     rows = resolution if panel.y is not None else 60  # of a strip, all alike
     x, y = (np.linspace(*limit, count) for limit, count in zip(limits, (resolution, rows), strict=True))
-    grid = dict(zip((panel.x, panel.y), np.meshgrid(x, y), strict=True))
-    asked = {axis: values.ravel() for axis, values in grid.items() if axis is not None}
-    asked |= {axis: np.full(resolution * rows, value) for axis, value in panel.at.items()}
-    chosen = np.asarray(select(asked)).reshape(rows, resolution)
-    if chosen.min() < -1 or chosen.max() >= len(gaits):
-        raise ValueError(
-            f"select answered {chosen.min()} to {chosen.max()}, but the gaits are numbered 0 to {len(gaits) - 1} "
-            "and -1 is outside the domain; "
-            "pass the gaits in the order of the classifier's classes"
-        )
+    along = {panel.x: x} if panel.y is None else {panel.x: x, panel.y: y}
+    chosen = np.broadcast_to(decisions(select, along, panel.at, len(gaits)), (rows, resolution))
     panel.axes.pcolormesh(
         x, y, np.ma.masked_less(chosen, 0),
         cmap=ListedColormap([lighter(colours[name], 0.5) for name in gaits]),

@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from gaitflow.report.map_panel import Floats, Mask, Select
+from gaitflow.report.decisions import Select, decisions
+from gaitflow.report.map_panel import Mask
 
 
 def region_paths(
@@ -20,21 +21,13 @@ def region_paths(
     """The path of each gait that `select` chooses somewhere in a slice, for a box [0, resolution] in each direction.
 
     `axes` has the (low, high) of the axes along x and, if there is a second one, along y; y rises. `at` has the values
-    of the further axes. The path's cells are asked for at their middles. Raises ValueError when `select` answers with
+    of the further axes. Cells stand for their middles. Raises ValueError when `select` answers with
     an index that is no gait.
     """
     middles = (np.arange(resolution) + 0.5) / resolution
-    values = [low + (high - low) * middles for low, high in axes.values()]
-    grid: Sequence[Floats] = np.meshgrid(*values)
-    asked = {axis: part.ravel() for axis, part in zip(axes, grid, strict=True)}
-    asked |= {axis: np.full(grid[0].size, value) for axis, value in at.items()}
-    answers = np.asarray(select(asked))
-    if answers.min() < -1 or answers.max() >= len(gaits):
-        raise ValueError(
-            f"select answered {answers.min()} to {answers.max()}; give an index into the {len(gaits)} gaits"
-        )
+    along = {axis: low + (high - low) * middles for axis, (low, high) in axes.items()}
     # A map of one axis is a strip, every row of it alike.
-    chosen = np.broadcast_to(answers.reshape(-1, resolution), (resolution, resolution))
+    chosen = np.broadcast_to(decisions(select, along, at, len(gaits)), (resolution, resolution))
     return {gaits[index]: outline(chosen == index) for index in np.unique(chosen[chosen >= 0])}
 
 

@@ -15,10 +15,10 @@ from matplotlib.figure import Figure
 from gaitflow.config.scenario import Scenario
 from gaitflow.files import atomic_write
 from gaitflow.report.certificate import SamplingRecord
+from gaitflow.report.decisions import Select
 from gaitflow.report.gait_diagrams import draw_gait_diagrams
 from gaitflow.report.gait_map import draw_gait_map
 from gaitflow.report.interactive_map import interactive_map
-from gaitflow.report.map_panel import Select
 from gaitflow.report.motion import draw_motion
 from gaitflow.report.page import render_page
 from gaitflow.report.palette import gait_colours

@@ -13,7 +13,7 @@ import pandas as pd
 from gaitflow.config.scenario import Scenario
 from gaitflow.core.task_space import TaskSpace
 from gaitflow.dataset.labels import gait_costs
-from gaitflow.report.map_panel import Select
+from gaitflow.report.decisions import Select
 from gaitflow.report.map_tasks import SPLIT_WORDS
 from gaitflow.report.tables import number, percent, refined
 from gaitflow.search.solution import Solution

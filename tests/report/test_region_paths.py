@@ -39,8 +39,8 @@ def test_cells_are_asked_for_at_their_middles_and_y_rises() -> None:
     axes = {"speed": (0.0, 2.0), "cycle_duration": (0.5, 1.5)}
     paths = region_paths(select, axes, {"slope": 5.0}, 4, ["walking", "gallop"])
     assert paths == {"walking": "M0 0h4v2h-4z", "gallop": "M0 2h3v2h-3z"}
-    np.testing.assert_allclose(asked[0]["speed"][:4], [0.25, 0.75, 1.25, 1.75])
-    np.testing.assert_allclose(np.unique(asked[0]["slope"]), 5.0)
+    np.testing.assert_allclose(sorted({v for values in asked for v in values["speed"]}), [0.25, 0.75, 1.25, 1.75])
+    assert {v for values in asked for v in values["slope"]} == {5.0}
 
 
 def test_of_one_axis_each_decision_is_asked_for_once_and_fills_the_height() -> None:
@@ -51,9 +51,10 @@ def test_of_one_axis_each_decision_is_asked_for_once_and_fills_the_height() -> N
         return (values["speed"] > 1.0).astype(int)
 
     assert region_paths(select, {"speed": (0.0, 2.0)}, {}, 4, ["a", "b"]) == {"a": "M0 0h2v4h-2z", "b": "M2 0h2v4h-2z"}
-    assert counts == [4]
+    assert sum(counts) == 4
 
 
 def test_an_answer_that_is_no_gait_is_refused() -> None:
-    with pytest.raises(ValueError, match="answered 2 to 2; give an index into the 2 gaits"):
-        region_paths(lambda values: np.full(16, 2), {"speed": (0, 1), "cycle_duration": (0, 1)}, {}, 4, ["a", "b"])
+    axes = {"speed": (0.0, 1.0), "cycle_duration": (0.0, 1.0)}
+    with pytest.raises(ValueError, match="answered 2 to 2, but the gaits are numbered 0 to 1"):
+        region_paths(lambda values: np.full(len(values["speed"]), 2), axes, {}, 4, ["a", "b"])
