@@ -123,12 +123,10 @@ class Solutions(Sequence[StoredSolution]):
         return self.table.select(scalar_columns(self.table.column_names)).to_pandas()
 
     def solved(self, patterns: Iterable[str]) -> Solutions:
-        """Those rows that were solved with one of these patterns, as a table of their own: none of them is read."""
-        table = self.table
-        wanted = pc.and_(
-            pc.equal(table["status"], "solved"), pc.is_in(table["pattern"], pa.array(patterns, pa.string()))
-        )
-        return Solutions(table.filter(wanted), self.record)
+        """Those that were solved with one of these patterns, chosen in the table: no other row becomes a solution."""
+        status, pattern = self.table["status"], self.table["pattern"]
+        wanted = pc.and_(pc.equal(status, "solved"), pc.is_in(pattern, pa.array(patterns, pa.string())))
+        return Solutions(self.table.filter(wanted), self.record)
 
     def tasks(self) -> list[Task]:
         """Every task that has a row, in their order."""

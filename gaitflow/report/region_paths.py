@@ -21,8 +21,8 @@ def region_paths(
     """The path of each gait that `select` chooses somewhere in a slice, for a box [0, resolution] in each direction.
 
     `axes` has the (low, high) of the axes along x and, if there is a second one, along y; y rises. `at` has the values
-    of the further axes. Cells stand for their middles. Raises ValueError when `select` answers with
-    an index that is no gait.
+    of the further axes. Cells stand for their middles. Raises ValueError when `select` answers with an index that is no
+    gait.
     """
     middles = (np.arange(resolution) + 0.5) / resolution
     along = {axis: low + (high - low) * middles for axis, (low, high) in axes.items()}
